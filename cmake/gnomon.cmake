@@ -1,0 +1,24 @@
+# gnomon_library(name SOURCES… ) makes the target gnomon_<name> with alias gnomon::<name>; the links
+# between these targets are the architecture (docs/overview.md).
+function(gnomon_library name)
+  add_library(gnomon_${name} STATIC ${ARGN})
+  add_library(gnomon::${name} ALIAS gnomon_${name})
+  gnomon_settings(gnomon_${name})
+  set_target_properties(gnomon_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(gnomon_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/gnomon>)
+endfunction()
+
+function(gnomon_settings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    -Wno-sign-conversion -Wno-float-conversion)
+  # GLM narrows dvec to vec silently without this; see geo/frames.h.
+  target_compile_definitions(${target} PUBLIC GLM_FORCE_EXPLICIT_CTOR)
+  # One result on every machine: no fused multiply-add behind our back.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  if(GNOMON_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${GNOMON_SANITIZE})
+  endif()
+endfunction()

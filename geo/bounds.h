@@ -1,0 +1,70 @@
+// Bounding volumes of 3D Tiles and what selection asks of them. Every answer is conservative: a
+// distance never exceeds the true one, a volume is never called outside when part of it is inside.
+#pragma once
+
+#include "geo/ellipsoid.h"
+#include "geo/frames.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <variant>
+
+namespace gnomon {
+
+// Points p with dot(normal, p - point) >= 0 are inside. Kept as a point and a unit normal, since a
+// plane's offset from the Earth's centre would cost half a micrometre.
+struct Plane {
+    Vector<Ecef> normal;
+    Point<Ecef> point;
+
+    double signedDistance(Point<Ecef> p) const { return dot(normal, p - point); }
+};
+
+struct Sphere {
+    Point<Ecef> centre;
+    double radiusMetres = 0.0;
+};
+
+// centre ± each half axis (columns; need not be orthogonal, may be zero).
+struct OrientedBox {
+    Point<Ecef> centre;
+    glm::dmat3 halfAxes{0.0};
+};
+
+// Degrees on WGS 84, heights above the ellipsoid. west > east crosses the antimeridian.
+struct Region {
+    double westDegrees = 0, southDegrees = 0, eastDegrees = 0, northDegrees = 0;
+    double minHeightMetres = 0, maxHeightMetres = 0;
+    OrientedBox box; // contains the region; filled by makeRegion
+};
+
+using BoundingVolume = std::variant<OrientedBox, Sphere, Region>;
+
+Region makeRegion(double westDegrees, double southDegrees, double eastDegrees, double northDegrees,
+                  double minHeightMetres, double maxHeightMetres);
+
+enum class Containment { Outside, Crosses, Inside };
+
+Containment classify(const BoundingVolume& volume, const Plane& plane);
+// Outside as soon as one plane says so.
+Containment classify(const BoundingVolume& volume, std::span<const Plane> planes);
+// 0 inside. For a region: the larger of the geodetic bound and the box's.
+double distanceTo(const BoundingVolume& volume, Point<Ecef> p);
+Sphere boundingSphere(const BoundingVolume& volume);
+// The smallest and largest of dot(direction, q - from) over the volume.
+struct Interval {
+    double min = 0.0, max = 0.0;
+};
+Interval extentAlong(const BoundingVolume& volume, Point<Ecef> from, Vector<Ecef> direction);
+// A region stays where it is: 3D Tiles gives it in world coordinates.
+BoundingVolume transformed(const BoundingVolume& volume, const Transform<Ecef, Tile>& ecefFromTile);
+// A box in ECEF around two volumes, aligned with `axes` (unit columns).
+OrientedBox boxAround(std::span<const Point<Ecef>> points, const glm::dmat3& axes);
+std::array<Point<Ecef>, 8> corners(const OrientedBox& box);
+
+// Longitude, latitude and height range; nullopt where the volume is not near the Earth's surface
+// (all of it deeper than 20 km or higher than 2000 km), as in a tileset with a frame of its own.
+std::optional<Region> geographicExtent(const BoundingVolume& volume);
+
+} // namespace gnomon

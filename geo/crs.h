@@ -1,0 +1,40 @@
+// Any coordinate reference system PROJ knows, and EGM96 heights, to ECEF.
+#pragma once
+
+#include "geo/ellipsoid.h"
+#include "geo/result.h"
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace gnomon {
+
+enum class Heights { Ellipsoidal, Egm96 };
+
+// x, y in the CRS's own order of east, north (or longitude, latitude in degrees), z in metres.
+// One object per thread.
+class CrsToEcef {
+  public:
+    // `crs`: "EPSG:25832", a WKT or PROJ string. A compound CRS brings its own heights.
+    static Result<CrsToEcef> create(const std::string& crs, Heights heights);
+    CrsToEcef(CrsToEcef&&) noexcept;
+    CrsToEcef& operator=(CrsToEcef&&) noexcept;
+    ~CrsToEcef();
+
+    Result<Point<Ecef>> operator()(const glm::dvec3& xyz) const;
+    Result<Geodetic> geodetic(const glm::dvec3& xyz) const;
+    // East, north, up of the CRS's own axes near `origin` (a tangent frame: grid north, grid scale),
+    // so that a tileset in a projected CRS can be put on the Earth as one rigid piece.
+    Result<Transform<Ecef, Tile>> ecefFromCrsNear(const glm::dvec3& origin) const;
+
+  private:
+    struct State;
+    explicit CrsToEcef(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+// Height of the EGM96 geoid above the ellipsoid.
+Result<double> egm96GeoidHeight(double longitudeDegrees, double latitudeDegrees);
+
+} // namespace gnomon

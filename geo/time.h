@@ -1,0 +1,22 @@
+// Moments in UTC, and how people write them: ISO 8601 with an offset, `Z`, or a zone by name.
+#pragma once
+
+#include "geo/result.h"
+
+#include <string>
+#include <string_view>
+
+namespace gnomon {
+
+// Seconds since 1970-01-01T00:00:00Z without leap seconds (POSIX).
+struct UtcTime {
+    double seconds = 0.0;
+};
+
+// "2021-07-14T18:00", "2021-07-14T18:00:30.5+02:00", "2021-07-14 18:00 Europe/Berlin". Without
+// offset or zone it is UTC. A local time a clock change skips or has twice is an error that says so.
+Result<UtcTime> parseTime(std::string_view text);
+// "2021-07-14T16:00:00Z"; with milliseconds when there are any.
+std::string formatUtc(UtcTime time);
+
+} // namespace gnomon

@@ -1,0 +1,39 @@
+// What a user may choose about shadows. Plain values; the defaults need no tuning for any scene.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "geo/result.h"
+
+namespace gnomon {
+
+enum class ShadowMethod { Off, Single, Cascades };
+enum class ShadowCull { Auto, None, Front, Back }; // Auto: front faces of closed components only
+enum class ShadowFilter { None, Bilinear, Pcf, Pcss };
+
+inline constexpr int kMaxCascades = 5;
+
+struct ShadowSettings {
+    ShadowMethod method = ShadowMethod::Cascades;
+    ShadowCull cull = ShadowCull::Auto;
+    ShadowFilter filter = ShadowFilter::Pcss;
+    int pcfWidth = 3;        // taps across, 1…9
+    int blockerSamples = 16; // PCSS
+    int filterSamples = 32;
+    int cascades = 4;        // 1…5
+    int mapSize = 2048;      // texels across, 512…8192
+    double splitLambda = 0.7;
+    std::optional<double> rangeMetres; // how far from the eye shadows reach; fitted when not given
+    std::optional<double> fadeMetres;  // over the last of which they fade; a tenth of the range
+    double blendFraction = 0.1;        // of a cascade, mixed with the next
+    double lightDiameterDegrees = 0.533;
+};
+
+// The command line's words: "csm", "off", "single"; "none", "bilinear", "pcf:5", "pcss:16,32".
+Result<ShadowMethod> parseShadowMethod(const std::string& text);
+Failure parseShadowFilter(const std::string& text, ShadowSettings& settings);
+Result<ShadowCull> parseShadowCull(const std::string& text);
+std::string describe(const ShadowSettings& settings);
+
+} // namespace gnomon

@@ -1,0 +1,59 @@
+// What is shown: the inputs opened, put on the Earth, and the scene's anchor. No GL here.
+#pragma once
+
+#include "geo/crs.h"
+#include "geo/ellipsoid.h"
+#include "geo/time.h"
+#include "streaming/loader.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gnomon {
+
+// Puts what has a frame of its own on the Earth: origin, and the heading its y axis points to.
+struct Placement {
+    Geodetic origin;
+    double headingDegrees = 0.0;
+};
+
+enum class ModelUp { Auto, Y, Z }; // Auto: from the geometry's own area vector, else Z
+
+struct SceneOptions {
+    std::vector<std::string> inputs;
+    std::optional<std::string> crs;
+    Heights heights = Heights::Ellipsoidal;
+    std::optional<Placement> placement;
+    ModelUp up = ModelUp::Auto;
+    double raiseMetres = 0.0;
+    LoaderOptions loader;
+};
+
+struct Problem {
+    enum class Severity { Warning, Error } severity = Severity::Warning;
+    std::string uri, reason;
+};
+
+// One input as it is streamed. A single glb or b3dm is a tileset of one tile.
+struct Layer {
+    std::string uri;
+    std::string kind; // "tileset" or "model"
+    std::unique_ptr<StreamedTileset> tileset;
+    bool placedByUser = false;
+};
+
+struct Scene {
+    std::vector<Layer> layers;
+    Geodetic anchor;             // centre of all layers, on their base; fixed once opened
+    Transform<Ecef, Enu> ecefFromAnchor;
+    double radiusMetres = 0;     // of the layers' bounds about the anchor
+    std::vector<Problem> problems;
+    std::optional<UtcTime> time; // from a scene file
+};
+
+// Fails only when nothing at all could be opened; what else is wrong is in `problems`.
+Result<Scene> openScene(const SceneOptions& options);
+
+} // namespace gnomon
