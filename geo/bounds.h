@@ -5,6 +5,8 @@
 #include "geo/ellipsoid.h"
 #include "geo/frames.h"
 
+#include <glm/vec2.hpp>
+
 #include <array>
 #include <optional>
 #include <span>
@@ -32,15 +34,25 @@ struct OrientedBox {
     glm::dmat3 halfAxes{0.0};
 };
 
-// Degrees on WGS 84, heights above the ellipsoid. west > east crosses the antimeridian.
+// Degrees on WGS 84, heights above the ellipsoid. west > east crosses the antimeridian. Made by
+// makeRegion only: what follows the heights is derived from them there, once, since selection asks
+// for distances thousands of times a frame.
 struct Region {
     double westDegrees = 0, southDegrees = 0, eastDegrees = 0, northDegrees = 0;
     double minHeightMetres = 0, maxHeightMetres = 0;
-    OrientedBox box; // contains the region; filled by makeRegion
+    OrientedBox box;           // contains the region
+    bool overHalfTurn = false; // more than 180 degrees of longitude
+    // Cosine and sine of the four sides' longitude or latitude.
+    glm::dvec2 west{1, 0}, south{1, 0}, east{1, 0}, north{1, 0};
+    // Distance from the axis and z of the ellipsoid at the southern and northern side.
+    glm::dvec2 southFoot{kEquatorialRadiusMetres, 0}, northFoot{kEquatorialRadiusMetres, 0};
 };
 
 using BoundingVolume = std::variant<OrientedBox, Sphere, Region>;
 
+// Degrees and metres, all finite (asserted). Latitudes are cut to ±90, heights below -6300 km
+// (where normals of the ellipsoid begin to cross) to that, and a pair in the wrong order is
+// swapped.
 Region makeRegion(double westDegrees, double southDegrees, double eastDegrees, double northDegrees,
                   double minHeightMetres, double maxHeightMetres);
 
@@ -57,9 +69,10 @@ struct Interval {
     double min = 0.0, max = 0.0;
 };
 Interval extentAlong(const BoundingVolume& volume, Point<Ecef> from, Vector<Ecef> direction);
-// A region stays where it is: 3D Tiles gives it in world coordinates.
+// A region stays where it is: 3D Tiles gives it in world coordinates. A sphere grows by the largest
+// column's length, and by what a shear adds.
 BoundingVolume transformed(const BoundingVolume& volume, const Transform<Ecef, Tile>& ecefFromTile);
-// A box in ECEF around two volumes, aligned with `axes` (unit columns).
+// The smallest box around `points` whose faces are normal to `axes` (orthonormal columns).
 OrientedBox boxAround(std::span<const Point<Ecef>> points, const glm::dmat3& axes);
 std::array<Point<Ecef>, 8> corners(const OrientedBox& box);
 

@@ -4,6 +4,8 @@
 #include "geo/ellipsoid.h"
 #include "geo/frames.h"
 
+#include <algorithm>
+
 namespace gnomon {
 
 struct Camera {
@@ -15,8 +17,9 @@ struct Camera {
     int widthPixels = 1280;
     int heightPixels = 720;
 
-    double aspect() const { return double(widthPixels) / double(heightPixels); }
-    // Half extents of the picture plane at distance 1.
+    // A window of no size counts as one pixel, so that nothing divides by zero.
+    double aspect() const { return double(std::max(widthPixels, 1)) / std::max(heightPixels, 1); }
+    // Half extents of the picture plane at distance 1. Angles are cut to 1e-6 rad from 0 and 180°.
     double tanHalfHeight() const;
     double tanHalfWidth() const { return tanHalfHeight() * aspect(); }
 };
@@ -36,8 +39,8 @@ Orientation orientationOf(const Camera& camera);
 // Rotation only: Eye axes (right, up, backward) as rows applied to camera-relative ECEF.
 glm::dmat3 eyeFromEcefRotation(const Camera& camera);
 
-// Reversed-Z with the far plane at infinity and clip depth 0…1: depth = near / distance, so 1 at the
-// near plane and 0 at infinity (Upchurch & Desbrun, "Tightening the precision of perspective
+// Reversed-Z with the far plane at infinity and clip depth 0…1: depth = near / distance, so 1 at
+// the near plane and 0 at infinity (Upchurch & Desbrun, "Tightening the precision of perspective
 // rendering", 2012). Column-major, for Eye coordinates.
 glm::dmat4 reversedInfiniteProjection(const Camera& camera, double nearMetres);
 

@@ -16,7 +16,9 @@ enum class Heights { Ellipsoidal, Egm96 };
 // One object per thread.
 class CrsToEcef {
   public:
-    // `crs`: "EPSG:25832", a WKT or PROJ string. A compound CRS brings its own heights.
+    // `crs`: "EPSG:25832", a WKT or PROJ string. A compound or 3D CRS brings its own
+    // heights; for any other, z is metres above the WGS 84 ellipsoid or EGM96, as `heights` says.
+    // What only a grid can give that is not installed is an error that names the grid.
     static Result<CrsToEcef> create(const std::string& crs, Heights heights);
     CrsToEcef(CrsToEcef&&) noexcept;
     CrsToEcef& operator=(CrsToEcef&&) noexcept;
@@ -24,8 +26,8 @@ class CrsToEcef {
 
     Result<Point<Ecef>> operator()(const glm::dvec3& xyz) const;
     Result<Geodetic> geodetic(const glm::dvec3& xyz) const;
-    // East, north, up of the CRS's own axes near `origin` (a tangent frame: grid north, grid scale),
-    // so that a tileset in a projected CRS can be put on the Earth as one rigid piece.
+    // East, north, up of the CRS's own axes near `origin` (a tangent frame: grid north, grid
+    // scale), so that a tileset in a projected CRS can be put on the Earth as one rigid piece.
     Result<Transform<Ecef, Tile>> ecefFromCrsNear(const glm::dvec3& origin) const;
 
   private:

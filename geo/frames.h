@@ -7,12 +7,12 @@
 #ifndef GLM_FORCE_EXPLICIT_CTOR
 #error "compile with GLM_FORCE_EXPLICIT_CTOR: without it GLM narrows double to float silently"
 #endif
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
-#include <glm/geometric.hpp>
 
 namespace gnomon {
 
@@ -87,7 +87,9 @@ template <class To, class From>
 struct Transform {
     glm::dmat4 matrix{1.0};
 
-    Point<To> operator()(Point<From> p) const { return {glm::dvec3(matrix * glm::dvec4(p.xyz, 1.0))}; }
+    Point<To> operator()(Point<From> p) const {
+        return {glm::dvec3(matrix * glm::dvec4(p.xyz, 1.0))};
+    }
     Vector<To> operator()(Vector<From> v) const { return {glm::dmat3(matrix) * v.xyz}; }
     Point<To> origin() const { return {glm::dvec3(matrix[3])}; }
     // Columns: the source axes seen in the destination frame.

@@ -14,7 +14,8 @@ struct UtcTime {
 };
 
 // "2021-07-14T18:00", "2021-07-14T18:00:30.5+02:00", "2021-07-14 18:00 Europe/Berlin". Without
-// offset or zone it is UTC. A local time a clock change skips or has twice is an error that says so.
+// offset or zone it is UTC. A local time a clock change skips or has twice is an error that says
+// so; so is a zone by name after 2037, where its rules are not known.
 Result<UtcTime> parseTime(std::string_view text);
 // "2021-07-14T16:00:00Z"; with milliseconds when there are any.
 std::string formatUtc(UtcTime time);

@@ -25,6 +25,7 @@ View perspectiveView(const Camera& camera);
 
 // Pixels that an error of `geometricErrorMetres` inside `volume` may show in `view`. Infinite when
 // the eye is inside the volume.
-double screenSpaceError(const View& view, const BoundingVolume& volume, double geometricErrorMetres);
+double screenSpaceError(const View& view, const BoundingVolume& volume,
+                        double geometricErrorMetres);
 
 } // namespace gnomon

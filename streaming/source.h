@@ -16,8 +16,8 @@ using Bytes = std::vector<std::byte>;
 class Source {
   public:
     virtual ~Source() = default;
-    // `path` is relative to the source's root, with forward slashes, already resolved. May be called
-    // from several threads at once.
+    // `path` is relative to the source's root, with forward slashes, already resolved. May be
+    // called from several threads at once.
     virtual Result<Bytes> read(const std::string& path) const = 0;
     // As the user would write it, for messages.
     virtual std::string describe(const std::string& path) const = 0;

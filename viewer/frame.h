@@ -74,7 +74,8 @@ class FrameRenderer {
     ~FrameRenderer();
 
     void setOptions(const FrameOptions& options);
-    // The ground's height above the ellipsoid that `auto` found (or was given); none without ground.
+    // The ground's height above the ellipsoid that `auto` found (or was given); none without
+    // ground.
     std::optional<double> groundHeightMetres() const;
 
     Result<FrameFacts> draw(const FrameRequest& request);

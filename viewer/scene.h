@@ -1,6 +1,7 @@
 // What is shown: the inputs opened, put on the Earth, and the scene's anchor. No GL here.
 #pragma once
 
+#include "geo/camera.h"
 #include "geo/crs.h"
 #include "geo/ellipsoid.h"
 #include "geo/time.h"
@@ -28,11 +29,16 @@ struct SceneOptions {
     std::optional<Placement> placement;
     ModelUp up = ModelUp::Auto;
     double raiseMetres = 0.0;
+    bool unplaced = false; // to look at, not to draw: what has no place stays in its own frame
     LoaderOptions loader;
 };
 
 struct Problem {
-    enum class Severity { Warning, Error } severity = Severity::Warning;
+    enum class Severity {
+        Note,    // a guess that was made, said once
+        Warning, // all is shown, but perhaps not as meant
+        Error,   // something is left out
+    } severity = Severity::Warning;
     std::string uri, reason;
 };
 
@@ -42,15 +48,33 @@ struct Layer {
     std::string kind; // "tileset" or "model"
     std::unique_ptr<StreamedTileset> tileset;
     bool placedByUser = false;
+    bool onEarth = true; // always, unless SceneOptions::unplaced
+};
+
+// A scene file's own camera: a view to start from, when none is asked for.
+struct SceneCamera {
+    Geodetic position;
+    Orientation orientation;
+    std::optional<double> fovDegrees;
+};
+
+struct GroundChoice {
+    bool automatic = true; // from the inputs' own bases
+    std::optional<double>
+        heightMetres; // above the ellipsoid; with `automatic` false, none: no ground
 };
 
 struct Scene {
     std::vector<Layer> layers;
-    Geodetic anchor;             // centre of all layers, on their base; fixed once opened
+    Geodetic anchor; // centre of all layers, on their base; fixed once opened
     Transform<Ecef, Enu> ecefFromAnchor;
-    double radiusMetres = 0;     // of the layers' bounds about the anchor
+    double radiusMetres = 0; // of the layers' bounds about the anchor, seen from above
+    double heightMetres = 0; // of what stands on the anchor's level
     std::vector<Problem> problems;
-    std::optional<UtcTime> time; // from a scene file
+    // From a scene file:
+    std::optional<UtcTime> time;
+    std::optional<SceneCamera> camera;
+    std::optional<GroundChoice> ground;
 };
 
 // Fails only when nothing at all could be opened; what else is wrong is in `problems`.

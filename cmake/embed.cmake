@@ -1,0 +1,10 @@
+# Writes a C++ file that holds the text of FILES by name: see shaders/shader_source.h.
+set(text "#include \"shaders/shader_source.h\"\n\nnamespace gnomon {\n\nstd::string_view shaderSource(std::string_view name) {\n")
+separate_arguments(FILES)
+foreach(file ${FILES})
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} content)
+  string(APPEND text "    if (name == \"${name}\")\n        return R\"glsl(${content})glsl\";\n")
+endforeach()
+string(APPEND text "    return {};\n}\n\n} // namespace gnomon\n")
+file(WRITE ${OUT} "${text}")

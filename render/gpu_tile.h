@@ -1,0 +1,62 @@
+// A decoded tile on the GPU. Positions stand in a buffer of their own, so that depth passes read
+// twelve bytes a vertex.
+#pragma once
+
+#include "render/handles.h"
+#include "streaming/mesh.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace gnomon::render {
+
+// What is drawn at once: one material, one origin.
+struct GpuMesh {
+    Point<Ecef> origin;
+    OrientedBox box;
+    std::uint32_t firstIndex = 0;
+    std::uint32_t closedIndices = 0; // of closed components, first
+    std::uint32_t openIndices = 0;   // after them
+    std::int32_t baseVertex = 0;
+    std::uint32_t material = 0;
+};
+
+struct GpuMaterial {
+    Material look;
+    int texture = -1; // into GpuTile::textures()
+};
+
+class GpuTile {
+  public:
+    // `warnings` gets a line for each texture that had to be scaled down.
+    GpuTile(const TileContent& content, std::vector<std::string>& warnings);
+
+    const std::vector<GpuMesh>& meshes() const { return meshes_; }
+    const GpuMaterial& material(const GpuMesh& mesh) const { return materials_[mesh.material]; }
+    void bindTextures(const GpuMaterial& material) const;
+    const VertexArray& vertices() const { return vertices_; }          // all attributes
+    const VertexArray& positionsOnly() const { return positionsOnly_; } // for opaque depth
+    const Texture& faceNormals() const { return faceNormals_; }
+    std::size_t bytes() const { return bytes_; }
+
+  private:
+    void uploadGeometry(const TileContent& content);
+    void uploadTextures(const TileContent& content, std::vector<std::string>& warnings);
+
+    std::vector<GpuMesh> meshes_;
+    std::vector<GpuMaterial> materials_;
+    std::vector<Texture> textures_;
+    Buffer positions_, attributes_, indices_, faceNormalBuffer_;
+    Texture faceNormals_;
+    VertexArray vertices_, positionsOnly_;
+    std::size_t bytes_ = 0;
+};
+
+// A mesh to draw, and the number that stands for its tile in pictures.
+struct DrawItem {
+    const GpuTile* tile = nullptr;
+    const GpuMesh* mesh = nullptr;
+    std::uint32_t tileId = 0;
+};
+
+} // namespace gnomon::render

@@ -1,0 +1,22 @@
+// A linked GLSL program made from the files of shaders/. `#include "x"` is replaced by that file.
+// A shader that does not compile is our own mistake: the log is printed and the program stops.
+#pragma once
+
+#include "render/handles.h"
+
+#include <string_view>
+
+namespace gnomon::render {
+
+class Program {
+  public:
+    Program() = default;
+    Program(std::string_view vertexFile, std::string_view fragmentFile);
+    void use() const;
+    unsigned id() const { return handle_.id(); }
+
+  private:
+    Handle<detail::destroyProgram> handle_;
+};
+
+} // namespace gnomon::render

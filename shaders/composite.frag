@@ -1,0 +1,84 @@
+#version 450 core
+// Light, haze, sky and tone: from what is seen and how much sun it gets to the picture.
+#include "interface.h"
+#include "surface.glsl"
+
+layout(binding = TEX_DEPTH) uniform sampler2D depthTexture;
+layout(binding = TEX_NORMALS) uniform sampler2D normalTexture;
+layout(binding = TEX_ALBEDO) uniform sampler2D albedoTexture; // sRGB, decoded by the sampler
+layout(binding = TEX_SUN) uniform sampler2D sunTexture;
+
+in vec2 ndc;
+layout(location = 0) out vec4 outColor;
+
+const float EARTH_RADIUS = 6.371e6;
+const float HAZE_HEIGHT = 2000.0; // scale height of the haze, metres
+const float AIR_HEIGHT = 8000.0;
+
+// Share of light that crosses `distance` metres of haze along `ray`, its density falling with height.
+float transmittance(vec3 ray, float distance) {
+    float h0 = max(localUp.w, 0.0);
+    float up = dot(localUp.xyz, ray);
+    float flat2 = distance * distance * (1.0 - up * up);
+    float h1 = max(h0 + up * distance + flat2 / (2.0 * EARTH_RADIUS), 0.0);
+    float a = exp(-h0 / HAZE_HEIGHT), b = exp(-h1 / HAZE_HEIGHT);
+    float dh = h1 - h0;
+    float mean = abs(dh) < 1.0 ? a : HAZE_HEIGHT * (a - b) / dh;
+    return exp(-haze.w * mean * distance);
+}
+
+vec3 sky(vec3 ray) {
+    float up = dot(localUp.xyz, ray);
+    // Seen from high up the horizon sinks below the horizontal.
+    float h = max(localUp.w, 0.0);
+    float dip = sqrt(2.0 * h / EARTH_RADIUS) / (1.0 + h / EARTH_RADIUS);
+    float height = clamp((up + dip) / (1.0 + dip), 0.0, 1.0);
+    vec3 color = mix(skyHorizon.rgb, skyZenith.rgb, 1.0 - pow(1.0 - height, 6.0) * 0.9 - 0.1 * (1.0 - height));
+    float toward = dot(ray, sunDirection.xyz);
+    float halo = max(toward, 0.0);
+    color += sunGlow.rgb * (0.25 * pow(halo, 8.0) + 1.5 * pow(halo, 256.0));
+    color *= exp(-h / AIR_HEIGHT);
+    if (toward > sunDirection.w && up > -dip)
+        color += sunRadiance.rgb * 20.0;
+    return color;
+}
+
+vec3 toneMap(vec3 x) {
+    // Narkowicz's fit of the ACES curve, "ACES filmic tone mapping curve", 2015.
+    x *= 0.8;
+    return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+}
+
+vec3 encodeSrgb(vec3 c) {
+    return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(depthTexture, pixel, 0).r;
+    vec3 ray = viewRay(ndc);
+    vec3 direction = normalize(ray);
+    if (depth <= 0.0) {
+        outColor = vec4(encodeSrgb(toneMap(sky(direction))), 1.0);
+        return;
+    }
+    vec4 albedo = texelFetch(albedoTexture, pixel, 0);
+    vec4 oct = texelFetch(normalTexture, pixel, 0) * 2.0 - 1.0;
+    vec3 shading = decodeOct(oct.zw);
+    float sun = texelFetch(sunTexture, pixel, 0).r;
+
+    float up = dot(shading, localUp.xyz);
+    float facing = max(dot(shading, sunDirection.xyz), 0.0);
+    vec3 skyLight = mix(groundBounce.rgb, skyLightUp.rgb, 0.5 + 0.5 * up);
+    vec3 color;
+    if (albedo.a > 0.5) // unlit: its colours carry their own light, so only the sun's share is shaded
+        color = albedo.rgb * (unlitShade.x * skyLightUp.rgb +
+                              unlitShade.y * sunRadiance.rgb * sun * smoothstep(0.0, 0.2, facing));
+    else
+        color = albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun);
+
+    float distance = viewDepth(depth) * length(ray);
+    float clear = transmittance(direction, distance);
+    color = mix(haze.rgb, color, clear);
+    outColor = vec4(encodeSrgb(toneMap(color)), 1.0);
+}

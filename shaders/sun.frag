@@ -1,0 +1,228 @@
+#version 450 core
+// How much of the sun each pixel's surface sees, 0…1, in screen space: once a pixel, whatever the
+// scene's depth complexity. After Niedermayer (cascades, PCF, blend, fade) with the penumbra of a sun
+// at infinity: its half width is the gap between blocker and receiver times tan(0.533°/2), with no
+// division by the blocker's distance.
+//
+// All depths are metres above the cascade's far plane, towards the sun. Lattice coordinates are texels
+// from the window's corner.
+#include "interface.h"
+#include "surface.glsl"
+
+layout(binding = TEX_DEPTH) uniform sampler2D depthTexture;
+layout(binding = TEX_NORMALS) uniform sampler2D normalTexture;
+layout(binding = TEX_CASCADES) uniform sampler2DArray cascadeMaps;
+
+in vec2 ndc;
+layout(location = 0) out float outVisibility;
+layout(location = 1) out float outCascade; // index / 255; 1 is none
+
+const int FILTER_NONE = 0;
+const int FILTER_BOX = 1; // bilinear and PCF
+const int FILTER_PCSS = 2;
+
+// A dense disc reads every texel below it; beyond this radius samples are spread instead.
+const float DENSE_RADIUS = 3.0;
+const float GOLDEN_ANGLE = 2.39996323;
+// What blocks must stand off the receiver's plane by more than this times its distance sideways: a
+// facet next to the receiver's own, tilted towards the sun by less than 27°, is not a blocker.
+const float CONE_SLOPE = 0.5;
+
+struct Receiver {
+    int cascade;
+    vec2 lattice;
+    float depth;
+    vec2 gradient; // of depth on the receiver's plane, metres a texel
+    float tolerance, toleranceSlope; // metres; and metres a texel of distance sideways
+    float reach;                     // metres to the farthest possible blocker
+};
+
+// The depths of the 2×2 texels whose lower left one is `corner`, clamped to the window, in the order
+// (0,1), (1,1), (1,0), (0,0) of textureGather. Asked for at the corner they share, where rounding in
+// the sampler cannot choose others.
+vec4 gatherDepth(int cascade, vec2 corner, out vec2 base) {
+    base = clamp(corner, vec2(0.0), vec2(fade.w - 2.0));
+    vec2 uv = (base + 1.0 + cascadeOrigin[cascade].xy) / fade.w;
+    return textureGather(cascadeMaps, vec3(uv, float(cascade))) * cascadeSplit[cascade].w;
+}
+
+const vec4 GATHER_X = vec4(0.5, 1.5, 1.5, 0.5);
+const vec4 GATHER_Y = vec4(1.5, 1.5, 0.5, 0.5);
+
+// Of four texels: how far each stands before the receiver's plane; <= 0 where it does not block.
+vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy) {
+    vec2 base;
+    vec4 depth = gatherDepth(r.cascade, corner, base);
+    dx = base.x + GATHER_X - r.lattice.x;
+    dy = base.y + GATHER_Y - r.lattice.y;
+    vec4 plane = r.depth + r.gradient.x * dx + r.gradient.y * dy;
+    vec4 tolerance = r.tolerance + r.toleranceSlope * sqrt(dx * dx + dy * dy);
+    vec4 gap = depth - plane;
+    return mix(vec4(0.0), gap, greaterThan(gap, tolerance));
+}
+
+vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
+
+// A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
+float boxFilter(Receiver r, float width) {
+    vec2 low = r.lattice - 0.5 * width, high = r.lattice + 0.5 * width;
+    vec2 first = floor(low);
+    int quads = int(ceil((width + 1.0) * 0.5));
+    float sum = 0.0;
+    for (int j = 0; j < quads; ++j)
+        for (int i = 0; i < quads; ++i) {
+            vec4 dx, dy;
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy));
+            vec4 x = dx + r.lattice.x, y = dy + r.lattice.y; // texel centres
+            vec4 wx = clamp(min(x + 0.5, high.x) - max(x - 0.5, low.x), 0.0, 1.0);
+            vec4 wy = clamp(min(y + 0.5, high.y) - max(y - 0.5, low.y), 0.0, 1.0);
+            sum += dot(shade, wx * wy);
+        }
+    return sum / (width * width);
+}
+
+// Every texel below a disc, those at its rim by their share.
+float denseDisc(Receiver r, float radius) {
+    vec2 first = floor(r.lattice - radius - 0.5);
+    int quads = int(ceil(radius)) + 1;
+    float sum = 0.0, total = 0.0;
+    for (int j = 0; j < quads; ++j)
+        for (int i = 0; i < quads; ++i) {
+            vec4 dx, dy;
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy));
+            vec4 weight = clamp(radius + 0.5 - sqrt(dx * dx + dy * dy), 0.0, 1.0);
+            sum += dot(shade, weight);
+            total += dot(weight, vec4(1.0));
+        }
+    return sum / total;
+}
+
+vec2 spiral(int i, int count, float radius) {
+    float a = float(i) * GOLDEN_ANGLE;
+    return radius * sqrt((float(i) + 0.5) / float(count)) * vec2(cos(a), sin(a));
+}
+
+// Bilinear taps at a fixed spiral (Vogel): the pattern belongs to the lattice, so it does not swim.
+float sampledDisc(Receiver r, float radius) {
+    int count = int(filter_.w);
+    float sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+        vec2 tap = r.lattice + spiral(i, count, radius) - 0.5;
+        vec2 f = fract(tap);
+        vec4 dx, dy;
+        vec4 shade = lit(gaps(r, floor(tap), dx, dy));
+        vec2 row = mix(shade.wx, shade.zy, f.x);
+        sum += mix(row.x, row.y, f.y);
+    }
+    return sum / float(count);
+}
+
+void countBlockers(vec4 gap, inout float blocked, inout float gapSum, inout float seen) {
+    blocked += dot(vec4(greaterThan(gap, vec4(0.0))), vec4(1.0));
+    gapSum += dot(gap, vec4(1.0));
+    seen += 4.0;
+}
+
+float pcss(Receiver r) {
+    float texel = cascadeOffset[r.cascade].w;
+    // No caster stands higher than the highest, so no penumbra here is wider than this.
+    float search = max(r.reach * toSun.w / texel, 1.0);
+    float blocked = 0.0, gapSum = 0.0, seen = 0.0;
+    vec4 dx, dy;
+    if (search <= DENSE_RADIUS) {
+        vec2 first = floor(r.lattice - search - 0.5);
+        int quads = int(ceil(search)) + 1;
+        for (int j = 0; j < quads; ++j)
+            for (int i = 0; i < quads; ++i)
+                countBlockers(gaps(r, first + 2.0 * vec2(i, j), dx, dy), blocked, gapSum, seen);
+    } else {
+        int count = int(filter_.z);
+        for (int i = 0; i < count; ++i)
+            countBlockers(gaps(r, floor(r.lattice + spiral(i, count, search) - 0.5), dx, dy), blocked,
+                          gapSum, seen);
+        // The spiral may miss what stands close by.
+        for (int j = 0; j < 2; ++j)
+            for (int i = 0; i < 2; ++i)
+                countBlockers(gaps(r, floor(r.lattice - 1.5) + 2.0 * vec2(i, j), dx, dy), blocked, gapSum,
+                              seen);
+    }
+    if (blocked == 0.0)
+        return 1.0;
+    if (blocked == seen)
+        return 0.0;
+    float radius = clamp(gapSum / blocked * toSun.w / texel, 1.0, search);
+    return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
+}
+
+float nearest(Receiver r) {
+    vec2 base;
+    vec2 corner = floor(r.lattice);
+    vec4 dx, dy;
+    return lit(gaps(r, corner, dx, dy)).w;
+}
+
+float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance) {
+    Receiver r;
+    r.cascade = cascade;
+    float texel = cascadeOffset[cascade].w;
+    vec3 p = vec3(dot(axisX.xyz, position), dot(axisY.xyz, position), dot(axisZ.xyz, position));
+    r.lattice = p.xy / texel + cascadeOffset[cascade].xy;
+    r.depth = p.z + cascadeOffset[cascade].z;
+
+    vec3 n = vec3(dot(axisX.xyz, normal), dot(axisY.xyz, normal), dot(axisZ.xyz, normal));
+    vec2 slope = -n.xy / max(n.z, 1e-3);
+    r.gradient = slope * texel;
+    // Rounding, each term by where it comes from: the depth map's floats (from the CPU), the
+    // receiver's position at this distance, its lattice coordinate seen through the slope, and the
+    // normal's 16 bits through the derivative of the slope.
+    float steep2 = dot(slope, slope);
+    r.tolerance = cascadeOrigin[cascade].z + 1e-6 * distance + sqrt(steep2) * texel * fade.w * 2.4e-7;
+    r.toleranceSlope = texel * (CONE_SLOPE + 6e-5 * (1.0 + steep2));
+
+    r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);
+
+    int kind = int(filter_.x);
+    if (kind == FILTER_NONE)
+        return nearest(r);
+    if (kind == FILTER_BOX)
+        return boxFilter(r, filter_.y);
+    return pcss(r);
+}
+
+void main() {
+    float depth = texelFetch(depthTexture, ivec2(gl_FragCoord.xy), 0).r;
+    outVisibility = 1.0;
+    outCascade = 1.0;
+    if (depth <= 0.0)
+        return;
+    vec3 position = viewRay(ndc) * viewDepth(depth);
+    vec3 normal = decodeOct(texelFetch(normalTexture, ivec2(gl_FragCoord.xy), 0).xy * 2.0 - 1.0);
+
+    // A surface turned away from the sun is in shadow; over the sun's own diameter it fades in.
+    float facing = dot(normal, toSun.xyz);
+    float horizon = clamp(facing / (2.0 * toSun.w), 0.0, 1.0);
+
+    float along = dot(selection.xyz, position) + selection.w;
+    float distance = length(position - eye.xyz);
+    int count = int(fade.z);
+    int cascade = 0;
+    while (cascade < count && along > cascadeSplit[cascade].y)
+        ++cascade;
+    float kept = clamp((fade.x - distance) / fade.y, 0.0, 1.0);
+    if (cascade == count || kept == 0.0) {
+        outVisibility = horizon;
+        return;
+    }
+    outCascade = float(cascade) / 255.0;
+    if (horizon == 0.0) {
+        outVisibility = 0.0;
+        return;
+    }
+    float visibility = cascadeVisibility(cascade, position, normal, distance);
+    float blend = cascadeSplit[cascade].z;
+    if (along > blend && cascade + 1 < count) {
+        float next = cascadeVisibility(cascade + 1, position, normal, distance);
+        visibility = mix(visibility, next, (along - blend) / (cascadeSplit[cascade].y - blend));
+    }
+    outVisibility = horizon * mix(1.0, visibility, kept);
+}

@@ -1,0 +1,49 @@
+// How much of the sun each seen surface gets, in screen space: sun.frag over the visibility pass and
+// the cascades' maps.
+#pragma once
+
+#include "render/handles.h"
+#include "render/program.h"
+#include "render/visibility_pass.h"
+#include "shadows/cascade_pass.h"
+#include "shadows/cascades.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace gnomon {
+
+struct SunPassInput {
+    // The camera that `seen` was drawn with, and the one the cascades were fitted to. They differ
+    // only when the surfaces of one frame are asked again under another's maps (the flip test).
+    Camera surfaceCamera;
+    Camera cascadeCamera;
+    Vector<Ecef> towardsSun;
+    const CascadeSet* cascades = nullptr; // null: only surfaces turned away are dark
+    const CascadePass* maps = nullptr;
+    CasterBound casters;
+};
+
+class SunPass {
+  public:
+    SunPass();
+    void draw(const render::VisibilityPass& seen, const SunPassInput& input,
+              const ShadowSettings& settings);
+
+    const render::Texture& visibility() const { return visibility_; } // R16, 1 lit
+    // Rows top to bottom.
+    std::vector<float> readVisibility() const;
+    std::vector<std::uint8_t> readCascades() const; // 255 none
+
+  private:
+    void resize(int width, int height);
+
+    render::Program program_;
+    render::Buffer block_;
+    render::Texture visibility_, cascade_;
+    render::Framebuffer target_;
+    render::VertexArray empty_;
+    int width_ = 0, height_ = 0;
+};
+
+} // namespace gnomon

@@ -1,0 +1,107 @@
+#include "streaming/tileset.h"
+
+#include "streaming/implicit.h"
+
+#include <algorithm>
+
+namespace gnomon {
+namespace {
+
+void unite(std::vector<std::string>& to, const std::vector<std::string>& from) {
+    for (const std::string& name : from)
+        if (std::find(to.begin(), to.end(), name) == to.end())
+            to.push_back(name);
+}
+
+// Indices of a tree that is hung into another.
+std::uint32_t shifted(std::uint32_t index, std::size_t by) {
+    return index == kNoTile ? kNoTile : std::uint32_t(index + by);
+}
+
+} // namespace
+
+TileTree TileTree::ofModel(const std::string& path, const BoundingVolume& volume,
+                           const Transform<Ecef, Tile>& placement) {
+    TileTree tree;
+    tree.documents_.push_back({path, kNoTile});
+    tree.transforms_.push_back(placement);
+    TileNode node;
+    node.content = ContentKind::Mesh;
+    node.volume = volume;
+    node.path = path;
+    tree.nodes_.push_back(std::move(node));
+    return tree;
+}
+
+std::string TileTree::name(TileIndex i) const {
+    const TileNode& node = nodes_[i];
+    if (!node.path.empty())
+        return node.path;
+    return documents_[node.document].path + ", tile " + std::to_string(i);
+}
+
+Inherited TileTree::inheritedBy(TileIndex tile) const {
+    const TileNode& node = nodes_[tile];
+    return {transforms_[node.transform], node.gltfUpAxis, node.refine, true, node.level};
+}
+
+Failure TileTree::attachExternal(TileIndex tile, std::span<const std::byte> json) {
+    Result<TileTree> external = parseExternal(json, nodes_[tile].path, inheritedBy(tile));
+    if (!external)
+        return external.error();
+    return attachExternal(tile, std::move(*external));
+}
+
+Failure TileTree::attachExternal(TileIndex tile, TileTree external) {
+    const std::string path = nodes_[tile].path;
+    const auto refused = [&](const std::string& why) { return Error{path, why, ErrorKind::Input}; };
+    unsigned depth = 0;
+    for (std::uint32_t d = nodes_[tile].document; d != kNoTile; d = documents_[d].parent) {
+        if (documents_[d].path == path)
+            return refused("is an external tileset that contains itself");
+        if (++depth > kMaxExternalDepth)
+            return refused("external tilesets are nested deeper than " +
+                           std::to_string(kMaxExternalDepth));
+    }
+    if (nodes_[tile].childCount)
+        return refused("is a tileset, but the tile has children of its own");
+    if (nodes_.size() + external.nodes_.size() > kMaxTiles)
+        return refused("the tileset has more than " + std::to_string(kMaxTiles) + " tiles");
+
+    const std::size_t tiles = nodes_.size(), transforms = transforms_.size();
+    const std::size_t documents = documents_.size(), tilings = implicitTilings_.size();
+    for (TileNode& node : external.nodes_) {
+        node.parent = node.parent == kNoTile ? tile : shifted(node.parent, tiles);
+        node.firstChild = shifted(node.firstChild, tiles);
+        node.nextContent = shifted(node.nextContent, tiles);
+        node.implicitTiling = shifted(node.implicitTiling, tilings);
+        node.transform = shifted(node.transform, transforms);
+        node.document = shifted(node.document, documents);
+        nodes_.push_back(std::move(node));
+    }
+    for (Document& document : external.documents_) {
+        document.parent = document.parent == kNoTile ? nodes_[tile].document
+                                                     : shifted(document.parent, documents);
+        documents_.push_back(std::move(document));
+    }
+    transforms_.insert(transforms_.end(), external.transforms_.begin(), external.transforms_.end());
+    implicitTilings_.insert(implicitTilings_.end(), external.implicitTilings_.begin(),
+                            external.implicitTilings_.end());
+    for (const auto& [placeholder, at] : external.subtreeRoots_)
+        subtreeRoots_[shifted(placeholder, tiles)] = at;
+    for (LeftOut& leftOut : external.facts_.leftOut)
+        facts_.leftOut.push_back({shifted(leftOut.tile, tiles), std::move(leftOut.error)});
+    unite(facts_.extensionsUsed, external.facts_.extensionsUsed);
+    unite(facts_.extensionsRequired, external.facts_.extensionsRequired);
+    facts_.warnings.insert(facts_.warnings.end(), external.facts_.warnings.begin(),
+                           external.facts_.warnings.end());
+    ++facts_.externals;
+
+    nodes_[tile].content = ContentKind::ExternalTileset;
+    nodes_[tile].state = LoadState::Ready;
+    nodes_[tile].firstChild = TileIndex(tiles);
+    nodes_[tile].childCount = 1;
+    return std::nullopt;
+}
+
+} // namespace gnomon

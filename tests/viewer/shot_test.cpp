@@ -1,0 +1,121 @@
+#include "tests/viewer/files.h"
+#include "viewer/frame_report.h"
+#include "viewer/shot.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+using namespace gnomon;
+
+namespace {
+
+Scene cologne() {
+    Scene scene;
+    scene.anchor = {6.96, 50.94, 50};
+    scene.ecefFromAnchor = ecefFromEnu(scene.anchor);
+    scene.radiusMetres = 500;
+    return scene;
+}
+
+Shot firstShot(const PictureOptions& options, const Scene& scene, double seconds = 0) {
+    const auto shots = Shots::create(options);
+    EXPECT_TRUE(bool(shots));
+    return shots->at(seconds, scene);
+}
+
+} // namespace
+
+TEST(Shot, TheSunIsTheKeyframesThenTheCommandLinesThenTheScenes) {
+    const test::Folder folder;
+    Scene scene = cologne();
+    PictureOptions options;
+    EXPECT_NEAR(firstShot(options, scene).sun.azimuthDegrees, kDefaultSun.azimuthDegrees, 1e-9);
+    EXPECT_TRUE(Shots::create(options)->usesDefaultSun(scene));
+    scene.time = *parseTime("2021-06-21T12:00Z");
+    EXPECT_EQ(formatUtc(*firstShot(options, scene).time), "2021-06-21T12:00:00Z");
+    EXPECT_FALSE(Shots::create(options)->usesDefaultSun(scene));
+    options.sun = *parseTime("2021-06-21T15:00Z");
+    EXPECT_EQ(formatUtc(*firstShot(options, scene).time), "2021-06-21T15:00:00Z");
+    options.camera = CameraFile{folder.write("p.json", R"({"keyframes":[
+            {"t":10,"lon":6.96,"lat":50.94,"height":300,"heading":0,"pitch":0,"time":"2021-06-21T06:00Z"},
+            {"t":12,"lon":6.96,"lat":50.94,"height":300,"heading":0,"pitch":0,"time":"2021-06-21T08:00Z"}]})")};
+    EXPECT_EQ(formatUtc(*firstShot(options, scene).time), "2021-06-21T06:00:00Z");
+    EXPECT_EQ(formatUtc(*firstShot(options, scene, 1.0).time), "2021-06-21T07:00:00Z");
+    EXPECT_EQ(Shots::create(options)->lengthSeconds(), 2.0);
+    options.sun = SunAngles{100, 20};
+    options.camera = {};
+    EXPECT_FALSE(firstShot(options, scene).time);
+    EXPECT_NEAR(firstShot(options, scene).sun.elevationDegrees, 20, 1e-9);
+}
+
+TEST(Shot, TheCommandLinesCameraWinsOverTheScenes) {
+    Scene scene = cologne();
+    scene.camera = SceneCamera{{6.9, 50.9, 200}, {10, -20, 0}, 30.0};
+    PictureOptions options;
+    Shot shot = firstShot(options, scene);
+    EXPECT_NEAR(geodeticOf(shot.camera.position).heightMetres, 200, 1e-6);
+    EXPECT_NEAR(shot.camera.verticalFovRadians, 30 * kRadiansPerDegree, 1e-12);
+    options.camera = FixedCamera{{6.95, 50.95, 400}, {0, -90, 0}};
+    options.fovDegrees = 60;
+    options.widthPixels = 33;
+    shot = firstShot(options, scene);
+    EXPECT_NEAR(geodeticOf(shot.camera.position).heightMetres, 400, 1e-6);
+    EXPECT_NEAR(shot.camera.verticalFovRadians, 60 * kRadiansPerDegree, 1e-12);
+    EXPECT_EQ(shot.camera.widthPixels, 33);
+}
+
+TEST(Shot, TheCommandLinesGroundWinsOverTheScenes) {
+    Scene scene = cologne();
+    scene.ground = GroundChoice{false, 12.0};
+    PictureOptions options;
+    EXPECT_EQ(frameOptionsFor(options, scene).groundHeightMetres, 12.0);
+    options.groundGiven = true;
+    EXPECT_TRUE(frameOptionsFor(options, scene).groundAuto);
+}
+
+TEST(FrameReport, HasTheContractsKeys) {
+    FrameReport report;
+    report.renderer = "test";
+    report.settingsHash = settingsHash({});
+    ReportedFrame frame;
+    place(frame.camera, {6.96, 50.94, 300}, {30, -20, 0});
+    frame.time = *parseTime("2021-06-21T12:00Z");
+    frame.facts.cascades.resize(2);
+    frame.facts.depthMs = {1, 2};
+    frame.facts.missing = {"a.b3dm"};
+    frame.facts.gpuBytes = 3'000'000;
+    report.frames.push_back(frame);
+    report.skipped.push_back({"a\xff.b3dm", "gone"}); // a name that is no UTF-8
+    const auto json = nlohmann::json::parse(report.json());
+    for (const char* key : {"version", "renderer", "settings_hash", "frames", "skipped",
+                            "time_to_full_detail_ms", "peak_rss_mb", "peak_gpu_mb"})
+        EXPECT_TRUE(json.contains(key)) << key;
+    const auto& f = json["frames"][0];
+    for (const char* key : {"index", "time_utc", "camera", "sun", "tiles", "sse", "bytes",
+                            "triangles", "draws", "cpu_ms", "gpu_ms", "cascades"})
+        EXPECT_TRUE(f.contains(key)) << key;
+    EXPECT_EQ(f["time_utc"], "2021-06-21T12:00:00Z");
+    EXPECT_NEAR(f["camera"]["heading"].get<double>(), 30, 1e-9);
+    EXPECT_EQ(f["tiles"]["missing"], nlohmann::json({"a.b3dm"}));
+    EXPECT_EQ(f["gpu_ms"]["depth"].size(), 2u);
+    EXPECT_EQ(f["cascades"].size(), 2u);
+    EXPECT_EQ(json["peak_gpu_mb"], 3.0);
+    EXPECT_GT(json["peak_rss_mb"].get<double>(), 1.0);
+    EXPECT_TRUE(json["time_to_full_detail_ms"].is_null());
+}
+
+TEST(FrameReport, TheHashChangesWithWhatChangesThePicture) {
+    PictureOptions a, b;
+    EXPECT_EQ(settingsHash(a), settingsHash(b));
+    b.frame.shadows.mapSize = 4096;
+    EXPECT_NE(settingsHash(a), settingsHash(b));
+    b = a;
+    b.sun = SunAngles{1, 2};
+    EXPECT_NE(settingsHash(a), settingsHash(b));
+    b = a;
+    b.scene.inputs = {"x"};
+    EXPECT_NE(settingsHash(a), settingsHash(b));
+    b = a;
+    b.timeoutSeconds = 5; // no pixel depends on it
+    EXPECT_EQ(settingsHash(a), settingsHash(b));
+}

@@ -1,0 +1,51 @@
+// A flight of the camera through keyframes. Positions are interpolated in ECEF relative to the
+// first keyframe, orientations as quaternions in ECEF, so that neither poles nor the antimeridian
+// are special and a path moved rigidly gives the same flight.
+//
+// "smooth" is a cubic Hermite curve through the keyframes with tangents of the parabola through
+// three neighbours (C1, also where keyframes are unevenly spaced in time); orientations are the
+// Hermite quaternion curve of Kim, Kim and Shin, "A general construction scheme for unit quaternion
+// curves with simple high order derivatives", 1995. Field of view and time never overshoot
+// (Fritsch and Butland, "A method for constructing local monotone piecewise cubic interpolants",
+// 1984).
+#pragma once
+
+#include "geo/camera.h"
+#include "geo/result.h"
+#include "geo/time.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace gnomon {
+
+enum class Interpolation { Smooth, Linear };
+
+class CameraPath {
+  public:
+    // JSON as docs/ describes it; `name` is the file, for messages. Keyframes without a field of
+    // view get `defaultFovDegrees`.
+    static Result<CameraPath> parse(const std::string& json, const std::string& name,
+                                    double defaultFovDegrees);
+    static Result<CameraPath> load(const std::string& file, double defaultFovDegrees);
+
+    struct Sample {
+        Camera camera; // width and height in pixels are left for the caller
+        std::optional<UtcTime> time;
+    };
+    // Before the first keyframe the first, after the last the last.
+    Sample sample(double seconds) const;
+
+    double startSeconds() const;
+    double endSeconds() const;
+    std::size_t size() const; // keyframes
+    Interpolation interpolation() const;
+
+  private:
+    struct State;
+    explicit CameraPath(std::shared_ptr<const State> state);
+    std::shared_ptr<const State> state_;
+};
+
+} // namespace gnomon

@@ -1,0 +1,300 @@
+#include "viewer/capture_plan.h"
+#include "viewer/commands.h"
+#include "viewer/frame_report.h"
+#include "viewer/image_file.h"
+#include "viewer/messages.h"
+#include "viewer/option_values.h"
+#include "viewer/output_file.h"
+#include "viewer/progress.h"
+#include "viewer/shot.h"
+#include "viewer/stop_signal.h"
+#include "viewer/video_file.h"
+
+#include "render/context.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kSignalBase = 128; // the shell's habit: 128 + signal
+
+double millisecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Of several faults the one that says most about what to do next is told to the shell.
+int graver(int a, int b) {
+    static constexpr int kOrder[] = {exit_code::kDone,  exit_code::kSkipped, exit_code::kTransient,
+                                     exit_code::kInput, exit_code::kUsage,   exit_code::kOutput};
+    const auto rank = [](int code) {
+        return std::find(std::begin(kOrder), std::end(kOrder), code);
+    };
+    return rank(a) < rank(b) ? b : a;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+    constexpr std::size_t kMostNamed = 20; // an error stays one line that can be read
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i)
+        text += (i == 0 ? "" : ", ") + names[i];
+    if (names.size() > kMostNamed)
+        text += " and " + std::to_string(names.size() - kMostNamed) + " more";
+    return text;
+}
+
+class Capture {
+  public:
+    Capture(const CaptureOptions& options, OutputName output)
+        : options_(options), output_(std::move(output)) {}
+
+    int run() {
+        if (Failure wrong = prepare())
+            return end(*wrong);
+        for (std::size_t i = 0; i < planned_.size() && !stopSignal(); ++i) {
+            if (Failure wrong = drawFrame(planned_[i])) {
+                fail(*wrong);
+                break;
+            }
+            bar_.update(i + 1, planned_.size());
+        }
+        bar_.finish();
+        if (Failure wrong = finishVideo())
+            fail(*wrong);
+        if (Failure wrong = writeReport())
+            fail(*wrong);
+        return stopSignal() ? kSignalBase + stopSignal() : exitCode_;
+    }
+
+  private:
+    int end(const Error& error) {
+        fail(error);
+        return exitCode_;
+    }
+    void fail(const Error& error) {
+        sayError(error);
+        exitCode_ = graver(exitCode_, exitCodeOf(error.kind));
+    }
+
+    // Cheap things that can be wrong come first, drawing last.
+    Failure prepare() {
+        Result<Shots> shots = Shots::create(options_.picture);
+        if (!shots)
+            return shots.error();
+        shots_.emplace(std::move(*shots));
+        auto planned = planFrames(options_, output_, shots_->lengthSeconds());
+        if (!planned)
+            return planned.error();
+        planned_ = std::move(*planned);
+        if (Failure wrong = checkWritable(output_.of(planned_.front().index)))
+            return wrong;
+        if (options_.picture.frameReport)
+            if (Failure wrong = checkWritable(*options_.picture.frameReport))
+                return wrong;
+        return prepareDrawing();
+    }
+
+    Failure prepareDrawing() {
+        Result<Scene> scene = openScene(options_.picture.scene);
+        if (!scene)
+            return scene.error();
+        scene_.emplace(std::move(*scene));
+        if (say(scene_->problems))
+            exitCode_ = exit_code::kSkipped;
+        for (const Problem& problem : scene_->problems)
+            if (problem.severity == Problem::Severity::Error)
+                report_.skipped.push_back({problem.uri, problem.reason});
+        if (shots_->usesDefaultSun(*scene_))
+            sayNote("sun", "neither --time nor --sun given: azimuth 225, elevation 40 degrees");
+        render::ContextOptions contextOptions;
+        contextOptions.device = options_.device;
+        auto context = render::Context::createHeadless(contextOptions);
+        if (!context)
+            return context.error();
+        context_ = std::move(*context);
+        report_.renderer = context_->rendererName();
+        if (options_.picture.verbose)
+            sayNote("renderer", report_.renderer);
+        auto renderer =
+            FrameRenderer::create(*context_, *scene_, frameOptionsFor(options_.picture, *scene_));
+        if (!renderer)
+            return renderer.error();
+        renderer_ = std::move(*renderer);
+        report_.settingsHash = settingsHash(options_.picture);
+        return openVideo();
+    }
+
+    Failure openVideo() {
+        if (!output_.isVideo())
+            return {};
+        VideoFormat format;
+        format.container =
+            output_.format() == OutputFormat::Mp4 ? Container::Mp4 : Container::Matroska;
+        format.width = options_.picture.widthPixels;
+        format.height = options_.picture.heightPixels;
+        format.framesPerSecond = options_.framesPerSecond;
+        auto video = VideoFile::create(output_.of(0), format);
+        if (!video)
+            return video.error();
+        video_ = std::move(*video);
+        return {};
+    }
+
+    // A failure ends the capture; a frame that lacks tiles does not.
+    Failure drawFrame(const PlannedFrame& planned) {
+        const Shot shot = shots_->at(planned.seconds, *scene_);
+        FrameRequest request;
+        request.camera = shot.camera;
+        request.sun = shot.sun;
+        request.deadline =
+            Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(options_.picture.timeoutSeconds));
+        Result<FrameFacts> facts = renderer_->draw(request);
+        saySkippedTiles();
+        if (!facts)
+            return named(planned, facts.error());
+        ReportedFrame reported{planned.index, shot.time, shot.camera, shot.sun, *facts, {}, {}};
+        Failure failure = judge(planned, *facts);
+        if (!failure && facts->late.empty())
+            failure = write(planned, reported);
+        report_.frames.push_back(std::move(reported));
+        return failure;
+    }
+
+    std::string nameOf(const PlannedFrame& planned) const {
+        return planned_.size() == 1 ? output_.of(planned.index)
+                                    : "frame " + std::to_string(planned.index);
+    }
+    Error named(const PlannedFrame& planned, const Error& error) const {
+        return {planned_.size() == 1 ? error.subject : nameOf(planned) + ": " + error.subject,
+                error.reason, error.kind};
+    }
+
+    // What a frame without all its tiles means for the run. A video cannot go on without a frame.
+    Failure judge(const PlannedFrame& planned, const FrameFacts& facts) {
+        if (!facts.late.empty()) {
+            const Error late{nameOf(planned),
+                             "the time of --timeout passed while " +
+                                 std::to_string(facts.late.size()) +
+                                 " tiles were still loading: " + listed(facts.late),
+                             ErrorKind::Transient};
+            if (video_)
+                return late;
+            fail(late);
+            return {};
+        }
+        if (!facts.missing.empty())
+            exitCode_ = graver(exitCode_, exit_code::kSkipped);
+        const double asked = options_.picture.frame.maximumScreenSpaceError;
+        if (facts.screenSpaceError > asked) {
+            char text[96];
+            std::snprintf(text, sizeof text,
+                          "its tiles do not fit into --memory: drawn with an "
+                          "error of %.3g pixels",
+                          facts.screenSpaceError);
+            sayWarning(nameOf(planned), text);
+            exitCode_ = graver(exitCode_, exit_code::kSkipped);
+        } else if (facts.missing.empty() && !report_.fullDetailMs) {
+            report_.fullDetailMs = millisecondsSince(start_);
+        }
+        return {};
+    }
+
+    void saySkippedTiles() {
+        said_.resize(scene_->layers.size(), 0);
+        for (std::size_t i = 0; i < scene_->layers.size(); ++i) {
+            const auto& failures = scene_->layers[i].tileset->failures();
+            for (; said_[i] < failures.size(); ++said_[i]) {
+                const Error& error = failures[said_[i]].error;
+                sayError(error);
+                report_.skipped.push_back(error);
+                exitCode_ = graver(exitCode_, exit_code::kSkipped);
+            }
+        }
+    }
+
+    // The picture comes last: where it is, all that goes with it is too.
+    Failure write(const PlannedFrame& planned, ReportedFrame& reported) {
+        for (const Aov aov : options_.aovs)
+            if (Failure wrong = writeAov(planned, aov, reported))
+                return wrong;
+        const Picture picture = renderer_->picture();
+        const std::string path = output_.of(planned.index);
+        const Failure wrong =
+            video_ ? video_->add(picture)
+                   : writeImage(picture,
+                                output_.format() == OutputFormat::Png ? ImageFormat::Png
+                                                                      : ImageFormat::Jpeg,
+                                path);
+        if (wrong)
+            return named(planned, *wrong);
+        reported.files.push_back(path);
+        return {};
+    }
+
+    Failure writeAov(const PlannedFrame& planned, Aov aov, ReportedFrame& reported) {
+        const FloatPicture picture = renderer_->aov(aov);
+        const bool grey = aov == Aov::Cascade;
+        const std::string path = output_.beside(planned.index, std::string(gnomon::nameOf(aov)) +
+                                                                   (grey ? ".png" : ".exr"));
+        const Failure wrong = grey ? writeGreyPng(picture, path)
+                                   : writeExr(picture, aov == Aov::Normal ? "XYZ" : "Y", path);
+        if (wrong)
+            return named(planned, *wrong);
+        if (aov == Aov::Tile)
+            reported.tileNames = renderer_->tileNames();
+        reported.files.push_back(path);
+        return {};
+    }
+
+    // A stopped video ends with its last complete frame; one that lacks a frame is not kept.
+    Failure finishVideo() {
+        if (!video_)
+            return {};
+        const bool whole = exitCode_ == exit_code::kDone || exitCode_ == exit_code::kSkipped;
+        const bool any = std::any_of(report_.frames.begin(), report_.frames.end(),
+                                     [](const ReportedFrame& f) { return !f.files.empty(); });
+        if (!whole || !any)
+            return {};
+        return video_->finish();
+    }
+
+    Failure writeReport() const {
+        if (!options_.picture.frameReport)
+            return {};
+        return writeFile(*options_.picture.frameReport, report_.json());
+    }
+
+    const CaptureOptions& options_;
+    const OutputName output_;
+    const Clock::time_point start_ = Clock::now();
+    std::optional<Shots> shots_;
+    std::vector<PlannedFrame> planned_;
+    std::optional<Scene> scene_;
+    std::unique_ptr<render::Context> context_;
+    std::unique_ptr<FrameRenderer> renderer_; // before its context and scene go
+    std::unique_ptr<VideoFile> video_;
+    std::vector<std::size_t> said_; // failures told so far, a count per layer
+    FrameReport report_;
+    ProgressBar bar_{"frames"};
+    int exitCode_ = exit_code::kDone;
+};
+
+} // namespace
+
+int runCapture(const CaptureOptions& options) {
+    Result<OutputName> output = OutputName::parse(options.output);
+    if (!output) {
+        sayError(output.error());
+        return exitCodeOf(output.error().kind);
+    }
+    catchStopSignals();
+    return Capture(options, std::move(*output)).run();
+}
+
+} // namespace gnomon

@@ -1,0 +1,16 @@
+// Colours of sun, sky and haze for the sun's height: simple, monotone and continuous through sunset,
+// so that a flight through the day never jumps. Not a sky model; a plain look that agrees with the sun.
+#pragma once
+
+#include "geo/camera.h"
+#include "geo/sun.h"
+#include "shaders/interface.h"
+
+namespace gnomon {
+
+shader::LookBlock daylight(const SunPosition& sun, const Camera& camera);
+
+// Share of the sun's disc above the horizon of an eye at this height, 0…1.
+double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres);
+
+} // namespace gnomon

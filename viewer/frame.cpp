@@ -1,0 +1,300 @@
+#include "viewer/frame.h"
+
+#include "render/composite_pass.h"
+#include "render/context.h"
+#include "render/gpu_timer.h"
+#include "render/readback.h"
+#include "render/visibility_pass.h"
+#include "shadows/cascade_pass.h"
+#include "shadows/light_basis.h"
+#include "shadows/sun_pass.h"
+#include "viewer/daylight.h"
+#include "viewer/ground.h"
+#include "viewer/shadow_range.h"
+#include "viewer/tile_cache.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gnomon {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// A window uploads a few tiles a frame, so that it never stalls; a capture all it needs.
+constexpr std::size_t kWindowUploads = 4;
+
+} // namespace
+
+struct FrameRenderer::State {
+    State(render::Context& gl, Scene& shown) : context(gl), scene(shown), cache(shown) {}
+
+    render::Context& context;
+    Scene& scene;
+    FrameOptions options;
+    TileCache cache;
+    std::optional<double> groundHeight;
+    std::unique_ptr<render::GpuTile> ground;
+
+    render::VisibilityPass visibilityPass;
+    CascadePass cascadePass;
+    SunPass sunPass;
+    render::CompositePass compositePass;
+    render::GpuTimer timer;
+    Camera camera; // of the frame drawn last
+
+    void chooseGround();
+    std::vector<Selection> select(const FrameRequest& request, std::span<const View> views,
+                                  double& screenSpaceError, FrameFacts& facts);
+    std::vector<render::DrawItem> drawItems(const FrameRequest& request,
+                                            const std::vector<Selection>& selections);
+    void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
+    Transform<Light, Ecef> light(const FrameRequest& request) const {
+        return lightFromEcef(scene.ecefFromAnchor, request.sun.towards);
+    }
+};
+
+void FrameRenderer::State::chooseGround() {
+    groundHeight = options.groundHeightMetres;
+    if (options.groundAuto && !groundHeight)
+        groundHeight = findGroundHeight(scene);
+    ground.reset();
+    if (!groundHeight)
+        return;
+    std::vector<std::string> warnings;
+    ground = std::make_unique<render::GpuTile>(makeGround(scene, *groundHeight), warnings);
+}
+
+// What the views need, loaded; when the memory cannot hold it, at a larger error, which is said.
+std::vector<Selection> FrameRenderer::State::select(const FrameRequest& request,
+                                                    std::span<const View> views,
+                                                    double& screenSpaceError, FrameFacts& facts) {
+    std::vector<Selection> selections;
+    facts.complete = true;
+    for (Layer& layer : scene.layers) {
+        if (!request.waitForTiles) {
+            layer.tileset->poll();
+            selections.push_back(gnomon::select(layer.tileset->tree(), views, {screenSpaceError, true}));
+            layer.tileset->request(selections.back().load);
+            facts.complete = facts.complete && selections.back().complete();
+            continue;
+        }
+        Settled settled =
+            settle(*layer.tileset, views, {screenSpaceError, false}, request.deadline);
+        while (settled.overBudget && screenSpaceError < 1e6) {
+            screenSpaceError *= 1.5;
+            settled = settle(*layer.tileset, views, {screenSpaceError, false}, request.deadline);
+        }
+        facts.complete = facts.complete && settled.complete;
+        selections.push_back(std::move(settled.selection));
+    }
+    return selections;
+}
+
+std::vector<render::DrawItem>
+FrameRenderer::State::drawItems(const FrameRequest& request,
+                                const std::vector<Selection>& selections) {
+    const std::size_t uploads =
+        request.waitForTiles ? std::numeric_limits<std::size_t>::max() : kWindowUploads;
+    std::vector<render::DrawItem> items = cache.items(selections, uploads);
+    if (ground)
+        for (const render::GpuMesh& mesh : ground->meshes())
+            items.push_back({ground.get(), &mesh, 0});
+    return items;
+}
+
+void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, FrameFacts& facts) {
+    for (std::size_t i = 0; i < selections.size(); ++i) {
+        const StreamedTileset& tileset = *scene.layers[i].tileset;
+        facts.tilesSelected += std::uint32_t(selections[i].draw.size());
+        facts.tilesLoaded += tileset.tilesLoaded();
+        facts.decodedBytes += tileset.decodedBytes();
+        for (const TileIndex tile : selections[i].failed)
+            facts.missing.push_back(tileset.tree().node(tile).path);
+        for (const LoadRequest& request : selections[i].load) {
+            facts.missing.push_back(tileset.tree().node(request.tile).path);
+            facts.late.push_back(facts.missing.back());
+        }
+    }
+    facts.gpuBytes = cache.gpuBytes() + (ground ? ground->bytes() : 0);
+}
+
+// ------------------------------------------------------------------------------------------------
+// What happens in a frame, in order.
+Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
+    State& s = *state_;
+    const Clock::time_point start = Clock::now();
+    FrameFacts facts;
+    double screenSpaceError = s.options.maximumScreenSpaceError;
+    ShadowSettings shadows = s.options.shadows;
+    if (sunShareAboveHorizon(request.sun.elevationDegrees,
+                             geodeticOf(request.camera.position).heightMetres) == 0.0)
+        shadows.method = ShadowMethod::Off;
+
+    // 1. The tiles that the camera sees, and how near and far their surfaces are.
+    std::vector<View> views{perspectiveView(request.camera)};
+    std::vector<Selection> selections = s.select(request, views, screenSpaceError, facts);
+    facts.selectMs = millisecondsSince(start);
+    Clock::time_point uploadStart = Clock::now();
+    std::vector<render::DrawItem> items = s.drawItems(request, selections);
+    facts.uploadMs = millisecondsSince(uploadStart);
+
+    // 2. Cascades fitted to them, and the tiles that cast into these, in the picture or not.
+    CascadeSet cascades;
+    CasterBound casters;
+    if (shadows.method != ShadowMethod::Off) {
+        const ShadowReach reach =
+            shadowReach(s.scene, request.camera, request.sun, items, shadows, views.front());
+        const CascadeInput input{request.camera,     s.light(request),  reach.nearMetres,
+                                 reach.farMetres,    reach.rangeMetres, reach.fadeMetres};
+        cascades = fitCascades(input, shadows);
+        for (const Cascade& cascade : cascades.cascades)
+            views.push_back(casterView(cascades, cascade));
+        const Clock::time_point selectStart = Clock::now();
+        selections = s.select(request, views, screenSpaceError, facts);
+        facts.selectMs += millisecondsSince(selectStart);
+        uploadStart = Clock::now();
+        items = s.drawItems(request, selections);
+        facts.uploadMs += millisecondsSince(uploadStart);
+        casters = casterBound(s.scene, request.sun, cascades.lightFromEcef, items);
+        for (Cascade& cascade : cascades.cascades)
+            setDepthRange(cascade, cascades.mapSize, casters);
+    }
+    facts.screenSpaceError = screenSpaceError;
+    s.noteTiles(selections, facts);
+
+    // 3. Depth of the casters seen from the sun, a map a cascade.
+    s.timer.start();
+    std::vector<std::uint32_t> drawn;
+    if (!cascades.cascades.empty())
+        drawn = s.cascadePass.draw(cascades, shadows.cull, items, s.timer);
+
+    // 4. What the camera sees; 5. how much sun it gets; 6. the picture.
+    facts.triangles = s.visibilityPass.draw(request.camera, items);
+    s.timer.mark();
+    SunPassInput sunInput{request.camera, request.camera, request.sun.towards, nullptr, nullptr,
+                          casters};
+    if (!cascades.cascades.empty()) {
+        sunInput.cascades = &cascades;
+        sunInput.maps = &s.cascadePass;
+    }
+    s.sunPass.draw(s.visibilityPass, sunInput, shadows);
+    s.timer.mark();
+    s.compositePass.draw(s.visibilityPass, s.sunPass.visibility(),
+                         daylight(request.sun, request.camera));
+    s.timer.mark();
+    glFinish();
+
+    facts.draws = s.visibilityPass.draws();
+    std::vector<double> times = s.timer.milliseconds();
+    const std::size_t n = cascades.cascades.size();
+    facts.depthMs.assign(times.begin(), times.begin() + std::ptrdiff_t(n));
+    facts.visibilityMs = times[n];
+    facts.sunMs = times[n + 1];
+    facts.compositeMs = times[n + 2];
+    for (const double ms : times)
+        facts.gpuTotalMs += ms;
+    for (std::size_t i = 0; i < n; ++i)
+        facts.cascades.push_back({cascades.cascades[i].nearMetres, cascades.cascades[i].farMetres,
+                                  cascades.cascades[i].texelMetres, drawn[i]});
+    s.camera = request.camera;
+    s.cache.evict(selections);
+    if (s.context.lost())
+        return Error{"OpenGL", "the graphics driver was reset", ErrorKind::Transient};
+    facts.complete = facts.complete && !s.cache.leftOut();
+    facts.totalMs = millisecondsSince(start);
+    return facts;
+}
+// ------------------------------------------------------------------------------------------------
+
+FrameRenderer::FrameRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+FrameRenderer::~FrameRenderer() = default;
+
+Result<std::unique_ptr<FrameRenderer>>
+FrameRenderer::create(render::Context& context, Scene& scene, const FrameOptions& options) {
+    std::unique_ptr<FrameRenderer> renderer(
+        new FrameRenderer(std::make_unique<State>(context, scene)));
+    renderer->state_->options = options;
+    renderer->state_->chooseGround();
+    return renderer;
+}
+
+void FrameRenderer::setOptions(const FrameOptions& options) {
+    State& s = *state_;
+    const bool sameGround = options.groundAuto == s.options.groundAuto &&
+                            options.groundHeightMetres == s.options.groundHeightMetres;
+    s.options = options;
+    if (!sameGround)
+        s.chooseGround();
+}
+
+std::optional<double> FrameRenderer::groundHeightMetres() const { return state_->groundHeight; }
+
+Picture FrameRenderer::picture() {
+    return {state_->camera.widthPixels, state_->camera.heightPixels, state_->compositePass.read()};
+}
+
+FloatPicture FrameRenderer::aov(Aov which) {
+    State& s = *state_;
+    FloatPicture out{s.camera.widthPixels, s.camera.heightPixels, 1, {}};
+    const int w = out.width, h = out.height;
+    const std::vector<float> depth = render::readTopDown<float>(s.visibilityPass.depth(), w, h, 1,
+                                                                GL_DEPTH_COMPONENT, GL_FLOAT);
+    const auto isSky = [&](std::size_t i) { return depth[i] <= 0.0f; };
+    switch (which) {
+    case Aov::Sun:
+        out.values = s.sunPass.readVisibility();
+        for (std::size_t i = 0; i < depth.size(); ++i)
+            if (isSky(i))
+                out.values[i] = -1.0f;
+        break;
+    case Aov::Depth:
+        for (const float d : depth)
+            out.values.push_back(d <= 0.0f ? std::numeric_limits<float>::infinity()
+                                           : float(render::kNearPlaneMetres) / d);
+        break;
+    case Aov::Cascade:
+        for (const std::uint8_t c : s.sunPass.readCascades())
+            out.values.push_back(float(c));
+        break;
+    case Aov::Tile: {
+        const auto ids = render::readTopDown<std::uint32_t>(s.visibilityPass.tiles(), w, h, 1,
+                                                            GL_RED_INTEGER, GL_UNSIGNED_INT);
+        out.values.assign(ids.begin(), ids.end());
+        break;
+    }
+    case Aov::Normal: {
+        out.channels = 3;
+        const auto oct = render::readTopDown<std::uint16_t>(s.visibilityPass.normals(), w, h, 4,
+                                                            GL_RGBA, GL_UNSIGNED_SHORT);
+        const glm::dmat3 enuFromEcef =
+            glm::transpose(ecefFromEnu(geodeticOf(s.camera.position)).axes());
+        for (std::size_t i = 0; i < depth.size(); ++i) {
+            const auto signedOf = [&](std::size_t c) {
+                return std::int16_t(std::lround((oct[4 * i + c] / 65535.0 * 2.0 - 1.0) * 32767.0));
+            };
+            const glm::dvec3 n = isSky(i) ? glm::dvec3(0.0)
+                                          : enuFromEcef * decodeOct({signedOf(0), signedOf(1)});
+            out.values.insert(out.values.end(), {float(n.x), float(n.y), float(n.z)});
+        }
+        break;
+    }
+    }
+    return out;
+}
+
+const std::vector<std::string>& FrameRenderer::tileNames() const { return state_->cache.names(); }
+
+void FrameRenderer::present(int windowWidth, int windowHeight) {
+    state_->compositePass.present(windowWidth, windowHeight);
+}
+
+} // namespace gnomon

@@ -1,0 +1,76 @@
+#include "viewer/image_file.h"
+
+#include "viewer/output_file.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+// Encoded in memory and written by us: so that a full disk is noticed whatever the encoder does
+// with errors.
+Failure encode(const char* plugin, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+               const void* pixels, const std::string& path) {
+    const auto failed = [&](const std::string& why) {
+        return Error{path, "cannot be encoded: " + why, ErrorKind::Output};
+    };
+    const auto output = OIIO::ImageOutput::create(plugin);
+    if (!output)
+        return failed(OIIO::geterror());
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    if (!output->set_ioproxy(&memory))
+        return failed(std::string(plugin) + " cannot be written to memory");
+    // The name only tells the plugin its own kind.
+    const std::string name = std::string("picture.") + plugin;
+    if (!output->open(name, spec) || !output->write_image(type, pixels) || !output->close())
+        return failed(output->geterror());
+    return writeFile(path, std::as_bytes(std::span(bytes)));
+}
+
+bool isWhole(int width, int height, int channels, std::size_t values) {
+    return width > 0 && height > 0 && values == std::size_t(width) * height * channels;
+}
+
+} // namespace
+
+Failure writeImage(const Picture& picture, ImageFormat format, const std::string& path) {
+    if (!isWhole(picture.width, picture.height, 3, picture.rgb.size()))
+        return Error{path, "there is no picture to write", ErrorKind::Output};
+    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    if (format == ImageFormat::Jpeg)
+        spec.attribute("Compression", "jpeg:95");
+    return encode(format == ImageFormat::Png ? "png" : "jpeg", spec, OIIO::TypeDesc::UINT8,
+                  picture.rgb.data(), path);
+}
+
+Failure writeExr(const FloatPicture& picture, const std::string& channelNames,
+                 const std::string& path) {
+    if (!isWhole(picture.width, picture.height, picture.channels, picture.values.size()) ||
+        int(channelNames.size()) != picture.channels)
+        return Error{path, "there is no picture to write", ErrorKind::Output};
+    OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::FLOAT);
+    for (int c = 0; c < picture.channels; ++c)
+        spec.channelnames[std::size_t(c)] = channelNames.substr(std::size_t(c), 1);
+    spec.attribute("compression", "zip");
+    return encode("openexr", spec, OIIO::TypeDesc::FLOAT, picture.values.data(), path);
+}
+
+Failure writeGreyPng(const FloatPicture& picture, const std::string& path) {
+    if (!isWhole(picture.width, picture.height, 1, picture.values.size()))
+        return Error{path, "there is no picture to write", ErrorKind::Output};
+    std::vector<std::uint8_t> grey(picture.values.size());
+    std::transform(picture.values.begin(), picture.values.end(), grey.begin(), [](float value) {
+        return std::uint8_t(std::lround(std::clamp(value, 0.0f, 255.0f)));
+    });
+    OIIO::ImageSpec spec(picture.width, picture.height, 1, OIIO::TypeDesc::UINT8);
+    return encode("png", spec, OIIO::TypeDesc::UINT8, grey.data(), path);
+}
+
+} // namespace gnomon

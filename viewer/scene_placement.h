@@ -1,0 +1,37 @@
+// Where an input stands: on the Earth by its own account, or where the user puts it.
+#pragma once
+
+#include "viewer/scene.h"
+
+namespace gnomon {
+
+// What the user says about an input that does not say it itself.
+struct PlacingOptions {
+    std::optional<std::string> crs;
+    Heights heights = Heights::Ellipsoidal;
+    std::optional<Placement> placement;
+    ModelUp up = ModelUp::Auto;
+    double raiseMetres = 0.0;
+};
+
+// Near the Earth's surface, or around the whole Earth.
+bool standsOnEarth(const BoundingVolume& volume);
+
+// Which axis of a frame is up. A glTF file's own z, if that is up, is -y once the file is decoded,
+// since 3D Tiles turns glTF's y to z.
+enum class FrameUp { Y, Z, MinusY };
+
+// Origin, heading and up axis to ECEF. Before the heading turns them, x is east, and north is y (z
+// up), -z (y up) or z (-y up).
+Transform<Ecef, Tile> placedFrame(const Placement& placement, double raiseMetres, FrameUp up);
+
+// The first contents of a tileset, breadth first, loaded one after the other. Failed ones are
+// passed over. The same set for the same tileset, however fast the disk is.
+std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& tileset,
+                                                              std::size_t count);
+
+// The axis an open surface faces: Y when terrain-like geometry in its own frame says so. Nullopt
+// when the geometry tells nothing (closed bodies, walls).
+std::optional<ModelUp> upFromGeometry(const std::vector<std::shared_ptr<const TileContent>>& some);
+
+} // namespace gnomon

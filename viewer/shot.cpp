@@ -1,0 +1,79 @@
+#include "viewer/shot.h"
+
+#include "viewer/fit_camera.h"
+
+namespace gnomon {
+
+Result<Shots> Shots::create(const PictureOptions& options) {
+    Shots shots(options);
+    if (const CameraFile* file = std::get_if<CameraFile>(&options.camera)) {
+        Result<CameraPath> path =
+            CameraPath::load(file->path, options.fovDegrees.value_or(kDefaultFovDegrees));
+        if (!path)
+            return path.error();
+        shots.path_ = std::move(*path);
+    }
+    return shots;
+}
+
+Camera Shots::cameraFor(const Scene& scene) const {
+    double fov = options_.fovDegrees.value_or(kDefaultFovDegrees);
+    const FixedCamera* fixed = std::get_if<FixedCamera>(&options_.camera);
+    if (!fixed && !scene.camera)
+        return fitCamera(scene, options_.widthPixels, options_.heightPixels,
+                         fov * kRadiansPerDegree);
+    if (!fixed && !options_.fovDegrees)
+        fov = scene.camera->fovDegrees.value_or(fov);
+    Camera camera;
+    camera.verticalFovRadians = fov * kRadiansPerDegree;
+    if (fixed)
+        place(camera, fixed->position, fixed->orientation);
+    else
+        place(camera, scene.camera->position, scene.camera->orientation);
+    return camera;
+}
+
+Shot Shots::at(double seconds, const Scene& scene) const {
+    Shot shot;
+    if (path_) {
+        CameraPath::Sample sample = path_->sample(path_->startSeconds() + seconds);
+        shot.camera = sample.camera;
+        shot.time = sample.time;
+    } else {
+        shot.camera = cameraFor(scene);
+    }
+    shot.camera.widthPixels = options_.widthPixels;
+    shot.camera.heightPixels = options_.heightPixels;
+    const SunAngles* angles = std::get_if<SunAngles>(&options_.sun);
+    if (!shot.time) {
+        if (const UtcTime* given = std::get_if<UtcTime>(&options_.sun))
+            shot.time = *given;
+        else if (!angles)
+            shot.time = scene.time;
+    }
+    if (shot.time)
+        shot.sun = sunAt(*shot.time, scene.anchor);
+    else
+        shot.sun = sunFromAngles((angles ? *angles : kDefaultSun).azimuthDegrees,
+                                 (angles ? *angles : kDefaultSun).elevationDegrees, scene.anchor);
+    return shot;
+}
+
+bool Shots::usesDefaultSun(const Scene& scene) const {
+    return std::holds_alternative<std::monostate>(options_.sun) && !at(0.0, scene).time;
+}
+
+double Shots::lengthSeconds() const {
+    return path_ ? path_->endSeconds() - path_->startSeconds() : 0.0;
+}
+
+FrameOptions frameOptionsFor(const PictureOptions& options, const Scene& scene) {
+    FrameOptions frame = options.frame;
+    if (!options.groundGiven && scene.ground) {
+        frame.groundAuto = scene.ground->automatic;
+        frame.groundHeightMetres = scene.ground->heightMetres;
+    }
+    return frame;
+}
+
+} // namespace gnomon

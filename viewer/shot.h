@@ -1,0 +1,42 @@
+// From options to what a frame is asked for: which camera, which sun, at which moment. Shared by
+// the commands that make pictures.
+#pragma once
+
+#include "viewer/camera_path.h"
+#include "viewer/options.h"
+
+namespace gnomon {
+
+// Mid-afternoon in summer: for a scene of which nothing is known.
+inline constexpr SunAngles kDefaultSun{225.0, 40.0};
+
+struct Shot {
+    Camera camera;
+    SunPosition sun;
+    std::optional<UtcTime> time; // that set the sun
+};
+
+// The camera and the sun over time. Reads the camera path, if one is asked for.
+class Shots {
+  public:
+    static Result<Shots> create(const PictureOptions& options);
+
+    // At `seconds` after the start. A keyframe's time wins over --time and --sun, these over the
+    // scene file's, that over the default sun.
+    Shot at(double seconds, const Scene& scene) const;
+    bool usesDefaultSun(const Scene& scene) const;
+    bool moves() const { return path_.has_value(); }
+    double lengthSeconds() const; // 0 when the camera stands still
+
+  private:
+    explicit Shots(const PictureOptions& options) : options_(options) {}
+    Camera cameraFor(const Scene& scene) const;
+
+    PictureOptions options_;
+    std::optional<CameraPath> path_;
+};
+
+// What the scene file says of the ground, unless the command line did.
+FrameOptions frameOptionsFor(const PictureOptions& options, const Scene& scene);
+
+} // namespace gnomon
