@@ -52,7 +52,8 @@ class GpuTile {
     std::size_t bytes_ = 0;
 };
 
-// A mesh to draw, and the number that stands for its tile in pictures.
+// A mesh to draw, and the number that stands for its tile in pictures; 0 for the ground, which is in
+// no tile.
 struct DrawItem {
     const GpuTile* tile = nullptr;
     const GpuMesh* mesh = nullptr;

@@ -230,6 +230,7 @@ Image decodeImage(Span bytes, ByteBudget& budget) {
     if (!input) {
         throw BadContent{std::string(format.plugin) + " images cannot be read by this build"};
     }
+    input->threads(1); // the callers have threads of their own
     const std::string name = std::string("memory.") + format.plugin;
     if (!input->open(name, spec, config)) {
         throw BadContent{std::string(format.plugin) + " image: " + input->geterror()};

@@ -256,12 +256,11 @@ Failure TileTree::attachSubtree(TileIndex tile, const Subtree& subtree) {
                      "tells of " + std::to_string(more) + " tiles and contents; at most " +
                          std::to_string(kMaxTilesPerSubtree) + " are accepted in one subtree",
                      ErrorKind::Input};
-    if (nodes_.size() + more > kMaxTiles)
-        return Error{path, "the tileset has more than " + std::to_string(kMaxTiles) + " tiles",
+    full_ = full_ || nodes_.size() + more > kMaxTilesOfSubtrees;
+    if (nodes_.size() + more > kMaxTilesOfSubtrees)
+        return Error{path,
+                     "the tileset has more than " + std::to_string(kMaxTilesOfSubtrees) + " tiles",
                      ErrorKind::Input};
-    // One subtree at once is made to fit, many grow by doubling.
-    if (nodes_.size() + more > nodes_.capacity())
-        nodes_.reserve(std::max<std::size_t>(nodes_.size() + more, nodes_.size() * 3 / 2));
     builder.build();
     ++facts_.subtrees;
     return std::nullopt;

@@ -126,8 +126,8 @@ Failure expandAll(StreamedTileset& tileset) {
         tileset.request(requests(open));
         tileset.waitForAll(); // the whole round at once: the same tree every time
         tileset.poll();
-        if (tree.size() >= kMaxTiles)
-            return Error{tileset.path(), "the tileset is too large to be read whole"};
+        if (tree.isFull())
+            return Error{tileset.path(), "has too many tiles to look at them all"};
     }
 }
 

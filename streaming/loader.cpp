@@ -14,6 +14,9 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
+// Queued at a time, most urgent first; who asks for more asks again.
+constexpr std::size_t kMostJobs = 4096;
+
 // May the tree grow when this is read?
 bool mayBeStructure(ContentKind kind) {
     return kind == ContentKind::ExternalTileset || kind == ContentKind::Subtree ||
@@ -101,12 +104,18 @@ struct StreamedTileset::State {
             structureOutstanding.erase(job.tile);
         }
         std::vector<LoadJob> jobs;
+        std::size_t contents = 0, structures = 0;
         for (const LoadRequest& request : wanted) {
             const TileNode& node = tree.node(request.tile);
             if (node.state != LoadState::Unloaded || node.content == ContentKind::None)
                 continue;
+            // Counted apart: how many contents are under way must not change which files that
+            // grow the tree come next.
+            const bool mayGrow = mayBeStructure(node.content);
+            if (++(mayGrow ? structures : contents) > kMostJobs)
+                continue;
             jobs.push_back(jobFor(request.tile));
-            if (mayBeStructure(node.content))
+            if (mayGrow)
                 structureOutstanding.insert(request.tile);
             tree.setState(request.tile, LoadState::Loading);
         }

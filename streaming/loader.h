@@ -40,7 +40,8 @@ class StreamedTileset {
     const TileTree& tree() const;
     const std::string& path() const;
 
-    // Asks for these, most urgent first, and cancels what is queued but not among them.
+    // Asks for these, most urgent first, and cancels what is queued but not among them. Of very
+    // many only the first thousands are queued: ask again when they are done.
     void request(std::span<const LoadRequest> wanted);
     // Takes what the workers finished into the tree. Returns how many tiles changed state.
     std::size_t poll();

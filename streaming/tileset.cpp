@@ -65,12 +65,14 @@ Failure TileTree::attachExternal(TileIndex tile, TileTree external) {
     }
     if (nodes_[tile].childCount)
         return refused("is a tileset, but the tile has children of its own");
+    full_ = full_ || nodes_.size() + external.nodes_.size() > kMaxTiles;
     if (nodes_.size() + external.nodes_.size() > kMaxTiles)
         return refused("the tileset has more than " + std::to_string(kMaxTiles) + " tiles");
 
     const std::size_t tiles = nodes_.size(), transforms = transforms_.size();
     const std::size_t documents = documents_.size(), tilings = implicitTilings_.size();
-    for (TileNode& node : external.nodes_) {
+    for (std::size_t i = 0; i < external.nodes_.size(); ++i) {
+        TileNode& node = external.nodes_[i];
         node.parent = node.parent == kNoTile ? tile : shifted(node.parent, tiles);
         node.firstChild = shifted(node.firstChild, tiles);
         node.nextContent = shifted(node.nextContent, tiles);

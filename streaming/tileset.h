@@ -6,6 +6,7 @@
 
 #include "geo/bounds.h"
 #include "geo/result.h"
+#include "streaming/chunked_vector.h"
 #include "streaming/content.h"
 
 #include <cstdint>
@@ -21,6 +22,8 @@ using TileIndex = std::uint32_t;
 inline constexpr TileIndex kNoTile = 0xffffffffu;
 // A node takes about 400 bytes with its path, so a tree stays below 450 MB whatever its files say.
 inline constexpr std::size_t kMaxTiles = std::size_t(1) << 20;
+// Subtrees stop earlier: a file of a few bytes may tell of as many tiles as it likes.
+inline constexpr std::size_t kMaxTilesOfSubtrees = kMaxTiles / 4 * 3;
 // What one subtree file may add: a full quadtree of 10 levels is 349,525 tiles.
 inline constexpr std::size_t kMaxTilesPerSubtree = std::size_t(1) << 19;
 inline constexpr unsigned kMaxExternalDepth = 16;
@@ -105,6 +108,8 @@ class TileTree {
     TileIndex size() const { return TileIndex(nodes_.size()); }
     static constexpr TileIndex root() { return 0; }
     const TilesetFacts& facts() const { return facts_; }
+    // Something could not be attached because there are too many tiles already.
+    bool isFull() const { return full_; }
     const Transform<Ecef, Tile>& ecefFromTile(TileIndex i) const {
         return transforms_[nodes_[i].transform];
     }
@@ -132,12 +137,13 @@ class TileTree {
     struct ImplicitCoordinates {
         std::uint32_t level = 0, x = 0, y = 0, z = 0;
     };
-    std::vector<TileNode> nodes_;
+    ChunkedVector<TileNode> nodes_;
     std::vector<Transform<Ecef, Tile>> transforms_;
     std::vector<Document> documents_;
     std::vector<std::shared_ptr<const ImplicitTiling>> implicitTilings_;
     std::unordered_map<TileIndex, ImplicitCoordinates> subtreeRoots_; // of subtrees not attached
     TilesetFacts facts_;
+    bool full_ = false;
     friend struct TileTreeBuilder;
     friend struct SubtreeBuilder;
 };

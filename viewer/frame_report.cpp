@@ -104,6 +104,14 @@ struct CameraText {
     }
 };
 
+void describe(std::ostringstream& out, const ShadowSettings& s) {
+    out << int(s.method) << ' ' << int(s.cull) << ' ' << int(s.filter) << ' ' << s.pcfWidth << ' '
+        << s.blockerSamples << ' ' << s.filterSamples << ' ' << s.cascades << ' ' << s.mapSize
+        << ' ' << s.splitLambda << ' ' << s.rangeMetres.value_or(-1) << ' '
+        << s.fadeMetres.value_or(-1) << ' ' << s.blendFraction << ' ' << s.lightDiameterDegrees
+        << '\n';
+}
+
 void describe(std::ostringstream& out, const SceneOptions& scene) {
     for (const std::string& input : scene.inputs)
         out << "input " << input << '\n';
@@ -124,7 +132,8 @@ std::string settingsHash(const PictureOptions& options) {
     out << GNOMON_VERSION << '\n';
     describe(out, options.scene);
     const FrameOptions& frame = options.frame;
-    out << describe(frame.shadows) << '\n' << frame.maximumScreenSpaceError << '\n';
+    describe(out, frame.shadows);
+    out << frame.maximumScreenSpaceError << '\n';
     out << frame.groundAuto << ' ' << frame.groundHeightMetres.value_or(-1e300) << '\n';
     out << options.widthPixels << 'x' << options.heightPixels << ' '
         << options.fovDegrees.value_or(kDefaultFovDegrees) << '\n';

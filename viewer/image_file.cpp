@@ -59,6 +59,8 @@ Failure writeExr(const FloatPicture& picture, const std::string& channelNames,
     for (int c = 0; c < picture.channels; ++c)
         spec.channelnames[std::size_t(c)] = channelNames.substr(std::size_t(c), 1);
     spec.attribute("compression", "zip");
+    // The plugin would write the time of day otherwise, and no two files were the same.
+    spec.attribute("DateTime", "1970:01:01 00:00:00");
     return encode("openexr", spec, OIIO::TypeDesc::FLOAT, picture.values.data(), path);
 }
 

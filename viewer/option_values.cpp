@@ -178,8 +178,7 @@ Failure parseBias(const std::string& option, const std::string& text) {
 namespace {
 
 Error named(const std::string& option, const Error& error) {
-    return usage(option,
-                 error.subject.empty() ? error.reason : error.subject + " " + error.reason);
+    return usage(option, error.subject.empty() ? error.reason : error.subject + " " + error.reason);
 }
 
 bool isBiasWord(const std::string& text) {

@@ -67,8 +67,7 @@ class Command {
 };
 
 Failure named(const std::string& option, const Error& error) {
-    return Error{option,
-                 error.subject.empty() ? error.reason : error.subject + " " + error.reason,
+    return Error{option, error.subject.empty() ? error.reason : error.subject + " " + error.reason,
                  ErrorKind::Usage};
 }
 

@@ -27,6 +27,7 @@ struct HeightRange {
 struct OpenedLayer {
     Layer layer;
     Sphere bounds;
+    std::optional<Geodetic> origin;     // of its own frame, when that stands upright on the Earth
     std::optional<HeightRange> heights; // above the ellipsoid; of the contents looked at
 };
 
@@ -146,6 +147,11 @@ Result<OpenedLayer> openLayer(const Input& input, const PlacingOptions& options,
     }
     opened.layer.tileset = std::move(*tileset);
     opened.bounds = boundingSphere(opened.layer.tileset->tree().node(TileTree::root()).volume);
+    opened.origin = uprightOrigin(opened.layer.tileset->tree().ecefFromTile(TileTree::root()));
+    if (opened.layer.placedByUser && options.placement) {
+        opened.origin = options.placement->origin;
+        opened.origin->heightMetres += options.raiseMetres;
+    }
     if (!opening.unplaced) // then nobody asks for the scene's anchor
         opened.heights = heightsOf(*opened.layer.tileset);
     return opened;
@@ -178,6 +184,23 @@ double reachFrom(const Scene& scene, const BoundingVolume& volume) {
     return farthest;
 }
 
+// Where the first upright frame has its origin, if that is among what is shown: then a place moved
+// rigidly over the Earth is the same scene, to rounding. Else the middle of all bounds.
+Geodetic anchorFor(const std::vector<OpenedLayer>& opened, const Sphere& all,
+                   const HeightRange& range) {
+    // An origin this far below or above what stands there is no level to count heights from.
+    constexpr double kOffLevelMetres = 100.0;
+    for (const OpenedLayer& layer : opened)
+        if (layer.origin && length(ecefOf(*layer.origin) - all.centre) <= all.radiusMetres &&
+            layer.origin->heightMetres >= range.base - kOffLevelMetres &&
+            layer.origin->heightMetres <= range.top + kOffLevelMetres)
+            return *layer.origin;
+    Geodetic anchor = geodeticOf(all.centre);
+    if (range.base <= range.top)
+        anchor.heightMetres = range.base;
+    return anchor;
+}
+
 void setAnchor(Scene& scene, const std::vector<OpenedLayer>& opened) {
     Sphere all = opened.front().bounds;
     HeightRange range{std::numeric_limits<double>::infinity(),
@@ -188,11 +211,9 @@ void setAnchor(Scene& scene, const std::vector<OpenedLayer>& opened) {
             range = {std::min(range.base, layer.heights->base),
                      std::max(range.top, layer.heights->top)};
     }
-    scene.anchor = geodeticOf(all.centre);
-    if (range.base <= range.top) {
-        scene.anchor.heightMetres = range.base;
-        scene.heightMetres = range.top - range.base;
-    }
+    scene.anchor = anchorFor(opened, all, range);
+    if (range.base <= range.top)
+        scene.heightMetres = std::max(range.top - scene.anchor.heightMetres, 0.0);
     scene.ecefFromAnchor = ecefFromEnu(scene.anchor);
     for (const OpenedLayer& layer : opened)
         scene.radiusMetres =

@@ -61,6 +61,26 @@ Transform<Ecef, Tile> placedFrame(const Placement& placement, double raiseMetres
     return ecefFromEnu(origin) * Transform<Enu, Tile>{glm::dmat4(axes)};
 }
 
+std::optional<Geodetic> uprightOrigin(const Transform<Ecef, Tile>& frame) {
+    constexpr double kRounding = 1e-9; // of matrices written with ten digits or more
+    const glm::dmat3 axes = frame.axes(), square = glm::transpose(axes) * axes;
+    const Result<Geodetic> origin = geodeticFromEcef(frame.origin());
+    if (!origin || origin->heightMetres < kDeepestMetres || origin->heightMetres > kHighestMetres)
+        return std::nullopt;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(std::abs(square[i][j] - (i == j ? 1.0 : 0.0)) <= kRounding))
+                return std::nullopt;
+    if (!(glm::length(axes[2] - ellipsoidNormal(frame.origin()).xyz) <= kRounding))
+        return std::nullopt;
+    Geodetic place = *origin;
+    constexpr double kAtPoleMetres = 1.0; // nearer, a longitude is worth less than the axis
+    const glm::dvec3 p = frame.origin().xyz;
+    if (std::hypot(p.x, p.y) < kAtPoleMetres)
+        place.longitudeDegrees = std::atan2(-axes[0].x, axes[0].y) / kRadiansPerDegree;
+    return place;
+}
+
 std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& tileset,
                                                               std::size_t count) {
     // Broken tilesets may name thousands of contents that are not there.

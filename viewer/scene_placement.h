@@ -25,6 +25,10 @@ enum class FrameUp { Y, Z, MinusY };
 // up), -z (y up) or z (-y up).
 Transform<Ecef, Tile> placedFrame(const Placement& placement, double raiseMetres, FrameUp up);
 
+// The origin of a frame that stands upright on the Earth, z along the ellipsoid's normal. At a pole
+// the frame's own x says which longitude's east it is. Nullopt for any other frame.
+std::optional<Geodetic> uprightOrigin(const Transform<Ecef, Tile>& frame);
+
 // The first contents of a tileset, breadth first, loaded one after the other. Failed ones are
 // passed over. The same set for the same tileset, however fast the disk is.
 std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& tileset,

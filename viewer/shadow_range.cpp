@@ -82,13 +82,15 @@ CasterBound casterBound(const Scene& scene, const SunPosition& sun,
     const Vector<Ecef> up = scene.ecefFromAnchor(Vector<Enu>{{0, 0, 1}});
     const Point<Ecef> anchor = scene.ecefFromAnchor.origin();
     for (const render::DrawItem& item : items) {
+        if (item.tileId == 0) // the ground: nothing stands below it, and its boxes span continents
+            continue;
         bound.topMetres =
             std::max(bound.topMetres, extentAlong(BoundingVolume(item.mesh->box), anchor, up).max);
         bound.lightMaxMetres =
             std::max(bound.lightMaxMetres, lightBox(lightFromEcef, item.mesh->box).max.z);
     }
-    if (items.empty())
-        bound.topMetres = bound.lightMaxMetres = 0.0;
+    if (!std::isfinite(bound.topMetres))
+        bound.topMetres = bound.lightMaxMetres = 0.0; // nothing casts
     bound.topMetres = std::ceil(bound.topMetres / kTopStepMetres) * kTopStepMetres;
     return bound;
 }

@@ -26,7 +26,8 @@ void expectClear(const Plan& plan) {
     for (std::size_t i = 0; i + 1 < keys.size(); ++i)
         for (double t = 0; t < 1; t += 0.05) {
             const glm::dvec3 p = glm::mix(keys[i].position, keys[i + 1].position, t);
-            const int ix = int(std::floor(p.x / kCellMetres)), iy = int(std::floor(p.y / kCellMetres));
+            const int ix = int(std::floor(p.x / kCellMetres)),
+                      iy = int(std::floor(p.y / kCellMetres));
             EXPECT_GT(p.z, plan.ground({p.x, p.y}) + 1.5);
             if (ix < first || iy < first || ix > last || iy > last)
                 continue;
@@ -34,7 +35,8 @@ void expectClear(const Plan& plan) {
             for (const Building& b : cell.buildings)
                 EXPECT_FALSE(insideBuilding(b, p, 1.5)) << "at " << p.x << ' ' << p.y << ' ' << p.z;
             for (const Tree& tree : cell.trees)
-                EXPECT_FALSE(glm::distance(tree.at, glm::dvec2(p.x, p.y)) < 0.42 * tree.heightMetres &&
+                EXPECT_FALSE(glm::distance(tree.at, glm::dvec2(p.x, p.y)) <
+                                 0.42 * tree.heightMetres &&
                              p.z < plan.ground(tree.at) + tree.heightMetres);
             if (std::abs(p.y - plan.bridgeY()) < plan.deckHalfLength()) {
                 EXPECT_GT(p.z, plan.deckMetres() + 7);
@@ -70,8 +72,13 @@ TEST(Flight, GoesFromFarAboveDownIntoTheStreetLookingAtTheTower) {
 
 TEST(Flight, IsTheSameAnywhereOnEarth) {
     const auto keys = flight(Plan(1, 60));
-    for (const Geodetic at : {Geodetic{6.96, 50.94, 100}, {0, 0, 0}, {0, 90, 0}, {180, 0, 50},
-                              {-180, -16.5, 0}, {77, -90, 2800}, {86.9, 28, 8848}}) {
+    for (const Geodetic at : {Geodetic{6.96, 50.94, 100},
+                              {0, 0, 0},
+                              {0, 90, 0},
+                              {180, 0, 50},
+                              {-180, -16.5, 0},
+                              {77, -90, 2800},
+                              {86.9, 28, 8848}}) {
         const auto json = flightJson(keys, at);
         const auto ecefFromPlace = ecefFromEnu(at);
         double before = json["keyframes"][0]["heading"];
@@ -82,8 +89,8 @@ TEST(Flight, IsTheSameAnywhereOnEarth) {
             place(camera, {k["lon"], k["lat"], k["height"]}, {k["heading"], k["pitch"], k["roll"]});
             const auto wanted = ecefFromPlace(Point<Enu>{keys[i].position});
             EXPECT_LT(length(camera.position - wanted), 1e-6);
-            const auto forward = ecefFromPlace(
-                Vector<Enu>{glm::normalize(keys[i].target - keys[i].position)});
+            const auto forward =
+                ecefFromPlace(Vector<Enu>{glm::normalize(keys[i].target - keys[i].position)});
             EXPECT_LT(length(camera.forward - forward), 1e-9);
             // Level in the place's frame.
             EXPECT_NEAR(dot(camera.right, ecefFromPlace(Vector<Enu>{{0, 0, 1}})), 0, 1e-9);

@@ -35,7 +35,8 @@ TEST(Plan, PutsEverythingInsideItsCell) {
         for (const Building& b : cell.buildings)
             for (const glm::dvec2 p : b.footprint(b.overhangMetres))
                 EXPECT_TRUE(cell.rect.contains(p)) << ix << ' ' << iy;
-        for (const Tree& t : cell.trees) // the widest crown is 0.34 of the height, 10 % rougher and wider
+        for (const Tree& t :
+             cell.trees) // the widest crown is 0.34 of the height, 10 % rougher and wider
             EXPECT_TRUE(cell.rect.inset(0.412 * t.heightMetres).contains(t.at)) << ix << ' ' << iy;
         for (const Shed& s : cell.sheds)
             EXPECT_TRUE(cell.rect.inset(std::hypot(s.size.x, s.size.y) / 2 + 0.3).contains(s.at));
@@ -75,7 +76,8 @@ TEST(Plan, KeepsBuildingsApartFromEachOtherTheRiverAndTheAvenue) {
             EXPECT_GT(a.half.x, 1.5);
             EXPECT_GT(a.half.y, 1.5);
             for (std::size_t k = 0; k < i; ++k)
-                EXPECT_TRUE(apart(a, cell.buildings[k])) << ix << ' ' << iy << ": " << i << ' ' << k;
+                EXPECT_TRUE(apart(a, cell.buildings[k]))
+                    << ix << ' ' << iy << ": " << i << ' ' << k;
             for (const glm::dvec2 p : a.footprint()) {
                 EXPECT_GT(plan.riverDistance(p), plan.riverHalfWidth() + 5);
                 EXPECT_GT(std::abs(plan.avenueDistance(p)), 10);

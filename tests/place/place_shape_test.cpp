@@ -22,7 +22,7 @@ Key keyOf(const Shape& shape, std::uint32_t vertex) {
 
 struct Component {
     std::size_t triangles = 0;
-    double volume = 0;   // by the divergence theorem; positive when wound outwards
+    double volume = 0;    // by the divergence theorem; positive when wound outwards
     bool balanced = true; // every directed edge has its opposite
 };
 
@@ -49,7 +49,9 @@ std::vector<Component> componentsOf(const Shape& shape) {
         const std::uint32_t* i = &shape.indices[t];
         Component& c = components[root(id[i[0]])];
         ++c.triangles;
-        c.volume += glm::dot(shape.positions[i[0]], glm::cross(shape.positions[i[1]], shape.positions[i[2]])) / 6;
+        c.volume += glm::dot(shape.positions[i[0]],
+                             glm::cross(shape.positions[i[1]], shape.positions[i[2]])) /
+                    6;
         for (int k = 0; k < 3; ++k) {
             const int a = id[i[k]], b = id[i[(k + 1) % 3]];
             a < b ? ++edges[{a, b}] : --edges[{b, a}];
@@ -67,7 +69,8 @@ std::vector<Component> componentsOf(const Shape& shape) {
 void expectSolid(const Shape& shape, const std::string& what) {
     const auto components = componentsOf(shape);
     for (const Component& c : components) {
-        EXPECT_TRUE(c.balanced) << what << ": a component of " << c.triangles << " triangles is open";
+        EXPECT_TRUE(c.balanced) << what << ": a component of " << c.triangles
+                                << " triangles is open";
         EXPECT_GT(c.volume, 1e-4) << what;
     }
 }
@@ -245,7 +248,8 @@ TEST(Terrain, CoversItsTileOnceAndFacesUp) {
         }
         EXPECT_NEAR(area, rect.width() * rect.height(), 1e-6 * area);
         // What is open is the outline alone: four sides of finest steps.
-        const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 0; });
+        const auto open =
+            std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 0; });
         EXPECT_EQ(open, 4 * std::int64_t(rect.width() / kGroundStepMetres));
     }
 }
@@ -259,12 +263,14 @@ TEST(Tiles, HoldTheirContentWithinTheirBoxes) {
                 const Rect rect = tileRect(plan, {level, x, y});
                 const TileShapes shapes = tileShapes(plan, {level, x, y});
                 const Shape terrain = terrainShape(plan, rect);
-                for (const Shape* shape : {&shapes.houses, &shapes.offices, &shapes.sheds, &terrain})
+                for (const Shape* shape :
+                     {&shapes.houses, &shapes.offices, &shapes.sheds, &terrain})
                     for (const glm::dvec3& local : shape->positions) {
                         const glm::dvec3 p = local + shape->origin;
                         ASSERT_TRUE(p.x >= rect.west && p.x <= rect.east && p.y >= rect.south &&
                                     p.y <= rect.north && p.z >= range.low && p.z <= range.high)
-                            << level << ' ' << x << ' ' << y << ": " << p.x << ' ' << p.y << ' ' << p.z;
+                            << level << ' ' << x << ' ' << y << ": " << p.x << ' ' << p.y << ' '
+                            << p.z;
                     }
                 for (const Tree& t : shapes.trees)
                     ASSERT_LE(plan.ground(t.at) + t.heightMetres, range.high);

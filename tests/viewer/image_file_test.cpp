@@ -36,9 +36,11 @@ ReadBack readBack(const char* plugin, const std::string& path) {
     back.floats.resize(count);
     back.bytes.resize(count);
     if (back.spec.format == OIIO::TypeDesc::UINT8)
-        EXPECT_TRUE(input->read_image(OIIO::TypeDesc::UINT8, back.bytes.data()));
+        EXPECT_TRUE(input->read_image(0, 0, 0, back.spec.nchannels, OIIO::TypeDesc::UINT8,
+                                      back.bytes.data()));
     else
-        EXPECT_TRUE(input->read_image(OIIO::TypeDesc::FLOAT, back.floats.data()));
+        EXPECT_TRUE(input->read_image(0, 0, 0, back.spec.nchannels, OIIO::TypeDesc::FLOAT,
+                                      back.floats.data()));
     return back;
 }
 

@@ -30,7 +30,26 @@ void addWall(Shape& into, const Building& b, glm::dvec2 from, glm::dvec2 to, dou
                          glm::vec2(0, 0)});
 }
 
+// Whole storeys of windows down from z1; what is left at the foot is a plinth, all around at one
+// height, so that no edge of one wall ends within an edge of the next.
 void addWalls(Shape& into, const Building& b, const Corners& foot, double z0, double z1) {
+    const double storeys = std::max(1.0, std::floor((z1 - b.groundMetres - 0.2) / b.storeyMetres));
+    const double plinth = z1 - storeys * b.storeyMetres;
+    const bool split = plinth > z0 + 0.3;
+    for (std::size_t i = 0; i < foot.size(); ++i) {
+        const glm::dvec2 from = foot[i], to = foot[(i + 1) % foot.size()];
+        into.setColor(b.wallColor);
+        addWall(into, b, from, to, split ? plinth : z0, z1);
+        if (!split)
+            continue;
+        into.setColor(b.wallColor * 0.78f);
+        into.quad({from, z0}, {to, z0}, {to, plinth}, {from, plinth});
+    }
+    into.setColor(b.wallColor);
+}
+
+// From afar: windows to the ground.
+void addPlainWalls(Shape& into, const Building& b, const Corners& foot, double z0, double z1) {
     into.setColor(b.wallColor);
     for (std::size_t i = 0; i < foot.size(); ++i)
         addWall(into, b, foot[i], foot[(i + 1) % foot.size()], z0, z1);
@@ -52,10 +71,13 @@ void addFloor(Shape& into, const Building& b, const Corners& foot) {
     addFlat(into, b, foot, b.baseMetres, false);
 }
 
-void addBox(Shape& into, const Building& b, double top) {
+void addBox(Shape& into, const Building& b, double top, bool plinth) {
     const Corners foot = b.footprint();
     addFloor(into, b, foot);
-    addWalls(into, b, foot, b.baseMetres, top);
+    if (plinth)
+        addWalls(into, b, foot, b.baseMetres, top);
+    else
+        addPlainWalls(into, b, foot, b.baseMetres, top);
     into.setColor(b.roofColor);
     addFlat(into, b, foot, top, true);
 }
@@ -75,8 +97,8 @@ void addParapetBuilding(Shape& into, const Building& b) {
     into.setColor(b.roofColor);
     addFlat(into, b, inner, deck, true);
     if (b.roofBox) {
-        const glm::dvec2 at = b.notch.x > 0 ? -glm::dvec2(b.notchCorner) * (b.half - 3.4)
-                                            : 0.2 * b.half;
+        const glm::dvec2 at =
+            b.notch.x > 0 ? -glm::dvec2(b.notchCorner) * (b.half - 3.4) : 0.2 * b.half;
         into.setColor(b.roofColor * 0.9f);
         Corners box;
         for (const glm::dvec2 c : {glm::dvec2(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
@@ -87,8 +109,8 @@ void addParapetBuilding(Shape& into, const Building& b) {
 
 // The four corners turned so that the ridge runs from the middle of [3][0] to the middle of [1][2].
 Corners alongRidge(const Building& b, double growAcross, double growAlong) {
-    const glm::dvec2 grow = b.ridgeAlongX ? glm::dvec2(growAlong, growAcross)
-                                          : glm::dvec2(growAcross, growAlong);
+    const glm::dvec2 grow =
+        b.ridgeAlongX ? glm::dvec2(growAlong, growAcross) : glm::dvec2(growAcross, growAlong);
     const glm::dvec2 h = b.half + grow;
     Corners c{rotated(b, {-h.x, -h.y}), rotated(b, {h.x, -h.y}), rotated(b, {h.x, h.y}),
               rotated(b, {-h.x, h.y})};
@@ -119,10 +141,10 @@ void addGableSlab(Shape& into, const Building& b) {
     const double ridge = b.eavesMetres + b.roofMetres, thick = 0.25;
     const glm::dvec2 r0 = (c[0] + c[3]) / 2.0, r1 = (c[1] + c[2]) / 2.0;
     // Across the ridge, counter-clockwise seen from its far end (r1).
-    const glm::dvec3 n[6] = {{c[0], low - thick},   {r0, ridge - thick}, {c[3], low - thick},
-                             {c[3], low},           {r0, ridge},         {c[0], low}};
-    const glm::dvec3 f[6] = {{c[1], low - thick},   {r1, ridge - thick}, {c[2], low - thick},
-                             {c[2], low},           {r1, ridge},         {c[1], low}};
+    const glm::dvec3 n[6] = {{c[0], low - thick}, {r0, ridge - thick}, {c[3], low - thick},
+                             {c[3], low},         {r0, ridge},         {c[0], low}};
+    const glm::dvec3 f[6] = {{c[1], low - thick}, {r1, ridge - thick}, {c[2], low - thick},
+                             {c[2], low},         {r1, ridge},         {c[1], low}};
     into.setColor(b.roofColor);
     for (int i = 0; i < 6; ++i) {
         const int j = (i + 1) % 6;
@@ -158,7 +180,7 @@ void addHipBuilding(Shape& into, const Building& b, bool overhang) {
         addHip(into, c, b.eavesMetres, ridge);
         return;
     }
-    addBox(into, b, b.eavesMetres);
+    addBox(into, b, b.eavesMetres, true);
     const Corners o = alongRidge(b, b.overhangMetres, b.overhangMetres);
     const double low = b.eavesMetres - 0.15, fascia = b.eavesMetres + 0.1;
     into.setColor(b.roofColor);
@@ -201,13 +223,13 @@ void addChimney(Shape& into, const Building& b) {
 void addBuilding(Shape& into, const Building& b, Detail detail) {
     const bool full = detail == Detail::Full;
     if (detail == Detail::Boxes)
-        return addBox(into, b, b.eavesMetres + b.roofMetres / 2);
+        return addBox(into, b, b.eavesMetres + b.roofMetres / 2, false);
     switch (b.roof) {
     case Roof::Flat:
         if (full)
             addParapetBuilding(into, b);
         else
-            addBox(into, b, b.eavesMetres + 0.4);
+            addBox(into, b, b.eavesMetres + 0.4, true);
         break;
     case Roof::Gable:
         if (full && b.overhangMetres > 0) {
@@ -254,7 +276,7 @@ void addMasses(Shape& into, const Cell& cell, double lowestMetres) {
         mass.centre = r.centre();
         mass.half = {r.width() / 2, r.height() / 2};
         mass.baseMetres = base;
-        addBox(into, mass, volume / area);
+        addBox(into, mass, volume / area, false);
     }
 }
 

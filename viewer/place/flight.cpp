@@ -25,8 +25,8 @@ std::vector<FlightKey> flight(const Plan& plan) {
     // Where it starts, seen from where it ends.
     const double back = large ? 1.02 * r : 1.9 * r + 200, high = large ? 0.5 * r : 0.75 * r + 160;
     const double aside = large ? -0.5 * r : -1.0 * r - 120;
-    // Height falls with the distance to go as its power 1.5, so it glides out level; the way aside is
-    // gone before the roofs are reached.
+    // Height falls with the distance to go as its power 1.5, so it glides out level; the way aside
+    // is gone before the roofs are reached.
     const double onAxis = back * std::pow(kOverRoofsMetres / high, 1 / 1.5);
     const double endTarget = std::tan(13.0 / 180 * 3.14159265358979) * (Plan::centre().y - endY);
     std::vector<FlightKey> keys;
@@ -41,7 +41,8 @@ std::vector<FlightKey> flight(const Plan& plan) {
         const double above = high * std::pow(toGo / back, 1.5);
         const double lowest = std::max(street, plan.ground(p));
         key.position = {p, mix(street, lowest, smoothstep(0, 30, toGo)) + kEyeMetres + above};
-        key.target = {Plan::centre(), street + kEyeMetres + mix(endTarget, 12, smoothstep(0, back, toGo))};
+        key.target = {Plan::centre(),
+                      street + kEyeMetres + mix(endTarget, 12, smoothstep(0, back, toGo))};
         keys.push_back(key);
     }
     return keys;
@@ -79,8 +80,9 @@ nlohmann::json flightJson(const std::vector<FlightKey>& keys, const Geodetic& at
 std::string afternoon(const Geodetic& at) {
     const int minutes = int(std::lround((16.0 - at.longitudeDegrees / 15.0) * 60)); // 4 h … 28 h
     char text[64];
-    std::snprintf(text, sizeof text, "2025-%02d-%02dT%02d:%02d:00Z", at.latitudeDegrees < 0 ? 12 : 6,
-                  21 + minutes / 1440, minutes / 60 % 24, minutes % 60);
+    std::snprintf(text, sizeof text, "2025-%02d-%02dT%02d:%02d:00Z",
+                  at.latitudeDegrees < 0 ? 12 : 6, 21 + minutes / 1440, minutes / 60 % 24,
+                  minutes % 60);
     return text;
 }
 

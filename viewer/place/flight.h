@@ -1,4 +1,5 @@
-// The camera's way: from far over the city, across the bridge, down between the houses to the tower.
+// The camera's way: from far over the city, across the bridge, down between the houses to the
+// tower.
 #pragma once
 
 #include "geo/ellipsoid.h"

@@ -36,7 +36,9 @@ Extent extentOf(std::span<const glm::vec3> points) {
     return e;
 }
 
-json array(glm::vec3 v) { return json::array({v.x, v.y, v.z}); }
+json array(glm::vec3 v) {
+    return json::array({v.x, v.y, v.z});
+}
 
 template <class T>
 int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, int components,
@@ -45,7 +47,8 @@ int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, int com
     attribute.Init(type, nullptr, std::uint8_t(components), dataType, normalized, sizeof(T), 0);
     const int id = mesh.AddAttribute(attribute, true, std::uint32_t(values.size()));
     for (std::size_t i = 0; i < values.size(); ++i)
-        mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(std::uint32_t(i)), &values[i]);
+        mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(std::uint32_t(i)),
+                                              &values[i]);
     return int(mesh.attribute(id)->unique_id());
 }
 
@@ -83,8 +86,8 @@ Result<Encoded> encodeDraco(const Shape& shape, std::span<const glm::vec3> posit
         normals.push_back(yUp(glm::dvec3(n)));
     Encoded encoded;
     auto& names = encoded.attributes;
-    names["POSITION"] = addAttribute<glm::vec3>(mesh, Type::POSITION, 3, draco::DT_FLOAT32, false,
-                                                positions);
+    names["POSITION"] =
+        addAttribute<glm::vec3>(mesh, Type::POSITION, 3, draco::DT_FLOAT32, false, positions);
     names["NORMAL"] =
         addAttribute<glm::vec3>(mesh, Type::NORMAL, 3, draco::DT_FLOAT32, false, normals);
     names["TEXCOORD_0"] =
@@ -93,8 +96,8 @@ Result<Encoded> encodeDraco(const Shape& shape, std::span<const glm::vec3> posit
         names["COLOR_0"] =
             addAttribute<std::uint32_t>(mesh, Type::COLOR, 4, draco::DT_UINT8, true, shape.colors);
     if (!shape.features.empty())
-        names["_FEATURE_ID_0"] = addAttribute<std::uint16_t>(mesh, Type::GENERIC, 1,
-                                                             draco::DT_UINT16, false, shape.features);
+        names["_FEATURE_ID_0"] = addAttribute<std::uint16_t>(
+            mesh, Type::GENERIC, 1, draco::DT_UINT16, false, shape.features);
     // Corners of one position become one: the surface is coded as the connected thing it is.
     mesh.DeduplicateAttributeValues();
     mesh.DeduplicatePointIds();
@@ -125,7 +128,9 @@ Glb::Glb() {
     root_["nodes"] = json::array({{{"name", "tile"}}});
 }
 
-void Glb::setOrigin(glm::dvec3 origin) { root_["nodes"][0]["translation"] = array(yUp(origin)); }
+void Glb::setOrigin(glm::dvec3 origin) {
+    root_["nodes"][0]["translation"] = array(yUp(origin));
+}
 
 void Glb::use(const char* extension, bool required) {
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
@@ -223,8 +228,9 @@ Failure Glb::addMesh(const char* name, const Shape& shape, int material) {
         attributes["COLOR_0"] = accessor("VEC4", kUnsignedByte, encoded->points);
         accessors.back()["normalized"] = true;
     }
-    json extensions{{"KHR_draco_mesh_compression",
-                     {{"bufferView", addView(encoded->bytes)}, {"attributes", encoded->attributes}}}};
+    json extensions{
+        {"KHR_draco_mesh_compression",
+         {{"bufferView", addView(encoded->bytes)}, {"attributes", encoded->attributes}}}};
     if (!shape.features.empty()) {
         attributes["_FEATURE_ID_0"] = accessor("SCALAR", kUnsignedShort, encoded->points);
         use("EXT_mesh_features", false);
@@ -251,18 +257,16 @@ void Glb::addInstanced(const char* name, const Shape& shape, int material, const
     }
     std::vector<std::uint16_t> indices(shape.indices.begin(), shape.indices.end());
     json primitive{{"material", material}, {"mode", 4}};
-    primitive["attributes"]["POSITION"] =
-        addAccessor<glm::vec3>(positions, "VEC3", kVertices);
+    primitive["attributes"]["POSITION"] = addAccessor<glm::vec3>(positions, "VEC3", kVertices);
     primitive["attributes"]["NORMAL"] = addAccessor<glm::vec3>(normals, "VEC3", kVertices);
     primitive["attributes"]["COLOR_0"] =
         addAccessor<std::uint32_t>(shape.colors, "VEC4", kVertices);
     primitive["indices"] = addAccessor<std::uint16_t>(indices, "SCALAR", kIndices);
     root_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
     use("EXT_mesh_gpu_instancing", true);
-    const json attributes{
-        {"TRANSLATION", addAccessor<glm::vec3>(where.translations, "VEC3", 0)},
-        {"ROTATION", addAccessor<glm::vec4>(where.rotations, "VEC4", 0)},
-        {"SCALE", addAccessor<glm::vec3>(where.scales, "VEC3", 0)}};
+    const json attributes{{"TRANSLATION", addAccessor<glm::vec3>(where.translations, "VEC3", 0)},
+                          {"ROTATION", addAccessor<glm::vec4>(where.rotations, "VEC4", 0)},
+                          {"SCALE", addAccessor<glm::vec3>(where.scales, "VEC3", 0)}};
     addNode(name, int(root_["meshes"].size()) - 1,
             {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}});
 }
@@ -280,9 +284,10 @@ void Glb::setTable(std::size_t rows, const std::vector<Column>& columns) {
     use("EXT_structural_metadata", false);
     root_["extensions"]["EXT_structural_metadata"] = {
         {"schema", {{"id", "place"}, {"classes", {{"building", {{"properties", schema}}}}}}},
-        {"propertyTables",
-         json::array({{{"name", "buildings"}, {"class", "building"}, {"count", rows},
-                       {"properties", table}}})}};
+        {"propertyTables", json::array({{{"name", "buildings"},
+                                         {"class", "building"},
+                                         {"count", rows},
+                                         {"properties", table}}})}};
 }
 
 std::vector<std::byte> Glb::finish() {

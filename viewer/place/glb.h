@@ -27,7 +27,9 @@ struct Instances {
 };
 
 // glTF's Y is up: east, up, south.
-inline glm::vec3 yUp(glm::dvec3 p) { return {float(p.x), float(p.z), float(-p.y)}; }
+inline glm::vec3 yUp(glm::dvec3 p) {
+    return {float(p.x), float(p.z), float(-p.y)};
+}
 
 class Glb {
   public:

@@ -17,7 +17,9 @@ constexpr double kGapMetres = 0.4;
 constexpr double kInnerStreetHalf = 6.0;
 constexpr double kAxisStreetHalf = 8.0;
 
-glm::vec3 rgb(int r, int g, int b) { return glm::vec3(float(r), float(g), float(b)) / 255.0f; }
+glm::vec3 rgb(int r, int g, int b) {
+    return glm::vec3(float(r), float(g), float(b)) / 255.0f;
+}
 
 glm::vec3 pick(Random& random, std::span<const glm::vec3> palette) {
     const glm::vec3 c = palette[std::size_t(random.pick(int(palette.size())))];
@@ -29,8 +31,8 @@ const std::array kPlaster{rgb(236, 226, 206), rgb(231, 212, 178), rgb(222, 198, 
                           rgb(205, 214, 212), rgb(196, 152, 126), rgb(182, 128, 104)};
 const std::array kStone{rgb(214, 212, 206), rgb(196, 200, 204), rgb(226, 222, 212),
                         rgb(180, 188, 196)};
-const std::array kTiles{rgb(176, 92, 68), rgb(164, 84, 64), rgb(186, 106, 78), rgb(150, 80, 66),
-                        rgb(104, 108, 116), rgb(92, 96, 104)};
+const std::array kTiles{rgb(176, 92, 68), rgb(164, 84, 64),   rgb(186, 106, 78),
+                        rgb(150, 80, 66), rgb(104, 108, 116), rgb(92, 96, 104)};
 const std::array kFlatRoofs{rgb(168, 166, 162), rgb(150, 150, 150), rgb(186, 182, 174),
                             rgb(142, 158, 128)};
 
@@ -73,7 +75,9 @@ struct CellLayout {
 
 namespace {
 
-double circumradius(const Building& b) { return std::hypot(b.half.x, b.half.y); }
+double circumradius(const Building& b) {
+    return std::hypot(b.half.x, b.half.y);
+}
 
 } // namespace
 
@@ -92,6 +96,7 @@ void CellLayout::finish(Building b) {
         high = std::max(high, z);
     }
     b.baseMetres = onLattice(low - 1.5);
+    b.groundMetres = high;
     b.eavesMetres += high;
     cell.buildings.push_back(std::move(b));
 }
@@ -101,8 +106,8 @@ Building CellLayout::house(const Rect& rect, bool streetAlongX, bool joined) {
     b.centre = rect.centre();
     b.half = {rect.width() / 2, rect.height() / 2};
     const double nearness = std::clamp(1.0 - remote, 0.0, 1.0);
-    const int storeys = joined ? 2 + int(random.unit() * 2.4 + 2.6 * nearness)
-                               : 1 + int(random.unit() * 1.9);
+    const int storeys =
+        joined ? 2 + int(random.unit() * 2.4 + 2.6 * nearness) : 1 + int(random.unit() * 1.9);
     b.storeyMetres = joined ? 3.2 : 2.8;
     b.eavesMetres = storeys * b.storeyMetres + 0.7;
     b.wallColor = pick(random, kPlaster);
@@ -198,14 +203,16 @@ void CellLayout::detachedHouses(const Rect& rect) {
             const glm::dvec2 half{random.in(4.2, std::min(6.2, w / 2 - 2.4)),
                                   random.in(4.0, std::min(6.0, h / 2 - 2.6))};
             const glm::dvec2 c = middle + glm::dvec2(random.in(-0.6, 0.6), random.in(-0.8, 0.8));
-            Building b = house({c.x - half.x, c.y - half.y, c.x + half.x, c.y + half.y}, true, false);
+            Building b =
+                house({c.x - half.x, c.y - half.y, c.x + half.x, c.y + half.y}, true, false);
             b.headingRadians = random.in(-0.07, 0.07);
             finish(std::move(b));
             tree({middle.x + (random.chance(0.5) ? 0.42 : -0.42) * w, middle.y + 0.42 * h}, 4, 7.5,
                  random.chance(0.8) ? TreeKind::Broad : TreeKind::Conifer);
             if (random.chance(0.06))
                 cell.sheds.push_back({{middle.x - 0.36 * w, middle.y - 0.38 * h},
-                                      random.pick(4) * kPi / 2, {2.6, 1.9, 2.1}});
+                                      random.pick(4) * kPi / 2,
+                                      {2.6, 1.9, 2.1}});
         }
 }
 
@@ -370,8 +377,8 @@ void CellLayout::riverTrees() {
 void CellLayout::avenueTrees() {
     for (double s = -plan.radiusMetres(); s < plan.radiusMetres(); s += 9)
         for (const double side : {-9.6, 9.6}) {
-            const glm::dvec2 p = Plan::centre() + s * glm::dvec2(0.8, 0.6) +
-                                 side * glm::dvec2(-0.6, 0.8);
+            const glm::dvec2 p =
+                Plan::centre() + s * glm::dvec2(0.8, 0.6) + side * glm::dvec2(-0.6, 0.8);
             if (!cell.rect.contains(p) || std::abs(plan.avenueDistance(p)) > 10)
                 continue;
             for (const Block& b : cell.blocks)
@@ -389,9 +396,15 @@ void CellLayout::streetTrees() {
                 tree({x, b.rect.south - out}, 5, 6.2, TreeKind::Broad);
                 tree({x + 2, b.rect.north + out}, 5, 6.2, TreeKind::Broad);
             }
-        if (random.chance(0.3))
-            for (double y = b.rect.south + 4; y < b.rect.north - 3; y += 8.5)
-                tree({b.rect.west - out, y}, 5, 6.2, TreeKind::Broad);
+        const auto column = [&](double x) {
+            // The street of the flight has more of them than others.
+            const bool axis = std::abs(x - Plan::axisX()) < kAxisStreetHalf;
+            if (random.chance(axis ? 0.8 : 0.3))
+                for (double y = b.rect.south + 4; y < b.rect.north - 3; y += axis ? 13.0 : 8.5)
+                    tree({x, y}, 5, 6.2, TreeKind::Broad);
+        };
+        column(b.rect.west - out);
+        column(b.rect.east + out);
     }
 }
 
@@ -453,7 +466,8 @@ void CellLayout::run() {
 Cell Plan::cell(int ix, int iy) const {
     Cell cell;
     cell.kind = kind(ix, iy);
-    cell.rect = {ix * kCellMetres, iy * kCellMetres, (ix + 1) * kCellMetres, (iy + 1) * kCellMetres};
+    cell.rect = {ix * kCellMetres, iy * kCellMetres, (ix + 1) * kCellMetres,
+                 (iy + 1) * kCellMetres};
     CellLayout(*this, ix, iy, cell).run();
     const std::uint16_t quota = quota_[indexOf(ix, iy)];
     if (cell.buildings.size() > quota && quota < kAllBuildings)

@@ -10,7 +10,9 @@
 namespace gnomon::builtin {
 namespace {
 
-glm::vec3 rgb(int r, int g, int b) { return {float(r), float(g), float(b)}; }
+glm::vec3 rgb(int r, int g, int b) {
+    return {float(r), float(g), float(b)};
+}
 
 const glm::vec3 kLawn = rgb(132, 154, 92), kPark = rgb(118, 146, 82), kGravel = rgb(196, 186, 164),
                 kYard = rgb(178, 172, 158), kAsphalt = rgb(116, 117, 121),
@@ -20,14 +22,16 @@ const glm::vec3 kLawn = rgb(132, 154, 92), kPark = rgb(118, 146, 82), kGravel = 
 const std::array kFields{rgb(192, 180, 116), rgb(146, 160, 94), rgb(128, 148, 84),
                          rgb(168, 150, 112), rgb(176, 174, 104)};
 
-glm::vec3 blend(glm::vec3 a, glm::vec3 b, double t) { return a + (b - a) * float(t); }
+glm::vec3 blend(glm::vec3 a, glm::vec3 b, double t) {
+    return a + (b - a) * float(t);
+}
 
 // What the ground looks like in one cell. Widths in metres.
 class Painter {
   public:
     Painter(const Plan& plan, const Cell& cell)
-        : plan_(plan), cell_(cell),
-          nearRiver_(plan.riverDistance(cell.rect.centre()) < plan.riverHalfWidth() + 2 * kCellMetres) {}
+        : plan_(plan), cell_(cell), nearRiver_(plan.riverDistance(cell.rect.centre()) <
+                                               plan.riverHalfWidth() + 2 * kCellMetres) {}
 
     glm::vec3 color(glm::dvec2 p) const;
 
@@ -41,8 +45,12 @@ class Painter {
     double noise(glm::dvec2 p, double metres) const {
         return valueNoise(plan_.seed() + 60, p.x / metres, p.y / metres);
     }
-    // Dashes of 3 m with gaps of 4 m.
-    static bool dash(double along) { return along - 7 * std::floor(along / 7) < 3; }
+    // A line of paint 15 cm wide, dashes of 3 m with gaps of 4 m. A pixel is 25 cm and the line
+    // runs between two, so both get a third of its colour.
+    static glm::vec3 centreLine(double across, double along) {
+        const bool dash = along - 7 * std::floor(along / 7) < 3;
+        return blend(kAsphalt, kPaint, dash && std::abs(across) < 0.15 ? 0.45 : 0.0);
+    }
 
     const Plan& plan_;
     const Cell& cell_;
@@ -54,17 +62,19 @@ glm::vec3 Painter::country(glm::dvec2 p) const {
     // Fields: strips of a cell, each of its own crop, with furrows.
     const double strip = 42 + 20 * unitOf(hash(plan_.seed(), std::int64_t(cell_.rect.west),
                                                std::int64_t(cell_.rect.south), 61));
-    const bool along = hash(plan_.seed(), std::int64_t(cell_.rect.west),
-                            std::int64_t(cell_.rect.south), 62) & 1;
+    const bool along =
+        hash(plan_.seed(), std::int64_t(cell_.rect.west), std::int64_t(cell_.rect.south), 62) & 1;
     const double across = (along ? p.x - cell_.rect.west : p.y - cell_.rect.south) / strip;
     const auto crop = hash(plan_.seed(), std::int64_t(cell_.rect.west) + int(across),
-                           std::int64_t(cell_.rect.south), 63) % kFields.size();
+                           std::int64_t(cell_.rect.south), 63) %
+                      kFields.size();
     glm::vec3 c = kFields[crop];
     c *= float(1 + 0.03 * std::sin(across * strip * 2.1));
     if (across - std::floor(across) < 0.03)
         c = kLawn;
-    return blend(c, kWood, smoothstep(0.58, 0.64, valueNoise(plan_.seed() + 50, p.x / 190, p.y / 190)) *
-                               (0.7 + 0.3 * wood));
+    return blend(c, kWood,
+                 smoothstep(0.58, 0.64, valueNoise(plan_.seed() + 50, p.x / 190, p.y / 190)) *
+                     (0.7 + 0.3 * wood));
 }
 
 glm::vec3 Painter::park(glm::dvec2 p) const {
@@ -110,13 +120,14 @@ glm::vec3 Painter::street(glm::dvec2 p, double fromBlock) const {
         return kKerb;
     // Distances to the lines this street may run along.
     const Rect& r = cell_.rect;
-    const double dx = std::min(p.x - r.west, r.east - p.x), dy = std::min(p.y - r.south, r.north - p.y);
+    const double dx = std::min(p.x - r.west, r.east - p.x),
+                 dy = std::min(p.y - r.south, r.north - p.y);
     if (dx < 12 && dy < 12) // a crossing
         return kAsphalt;
     const auto lane = [&](double across, double along, double toCrossing) {
         if (toCrossing < 15 && toCrossing > 12.2 && cell_.kind != CellKind::Country)
             return across - std::floor(across) < 0.5 ? kPaint : kAsphalt; // a zebra
-        return std::abs(across) < 0.09 && dash(along) ? kPaint : kAsphalt;
+        return centreLine(across, along);
     };
     if (dx < 12)
         return lane(dx, p.y, dy);
@@ -126,7 +137,7 @@ glm::vec3 Painter::street(glm::dvec2 p, double fromBlock) const {
         const bool vertical = std::isnan(line.y);
         const double across = vertical ? p.x - line.x : p.y - line.y;
         if (std::abs(across) < 5 && (vertical ? dy : dx) > 14)
-            return std::abs(across) < 0.07 && dash(vertical ? p.y : p.x) ? kPaint : kAsphalt;
+            return centreLine(across, vertical ? p.y : p.x);
     }
     return kAsphalt;
 }
@@ -151,7 +162,7 @@ glm::vec3 Painter::surface(glm::dvec2 p) const {
         const double avenue = std::abs(plan_.avenueDistance(p));
         const double along = glm::dot(p, glm::dvec2(0.8, 0.6));
         if (avenue < 7)
-            return avenue < 0.09 && dash(along) ? kPaint : kAsphalt;
+            return centreLine(avenue, along);
         if (avenue < 11)
             return avenue < 7.25 ? kKerb : kPavement;
     }
@@ -183,8 +194,8 @@ void paintGround(Pixels& pixels, const Rect& shown, const Plan& plan, const Cell
     const int y1 = int((shown.north - cell.rect.south) / metres);
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
-            const glm::vec3 c = painter.color(
-                {shown.west + (x + 0.5) * metres, shown.north - (y + 0.5) * metres});
+            const glm::vec3 c =
+                painter.color({shown.west + (x + 0.5) * metres, shown.north - (y + 0.5) * metres});
             for (int k = 0; k < 3; ++k)
                 pixels.at(x, y)[k] = std::uint8_t(std::clamp(c[k], 0.0f, 255.0f) + 0.5f);
         }
@@ -239,8 +250,8 @@ Pixels facadePixels(Facade facade, std::uint64_t seed) {
 
 namespace {
 
-Result<std::vector<std::byte>> encode(const Pixels& pixels, const char* format,
-                                      const char* setting, int value) {
+Result<std::vector<std::byte>> encode(const Pixels& pixels, const char* format, const char* setting,
+                                      int value) {
     auto out = OIIO::ImageOutput::create(format);
     if (!out)
         return Error{format, OIIO::geterror(), ErrorKind::Output};

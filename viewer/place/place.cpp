@@ -31,12 +31,15 @@ class Folder {
         std::error_code error;
         fs::create_directories(folder, error);
         if (error || !fs::is_directory(folder, error))
-            return Error{folder.string(), "cannot make the folder" +
-                         (error ? ": " + error.message() : std::string()), ErrorKind::Output};
+            return Error{folder.string(),
+                         "cannot make the folder" +
+                             (error ? ": " + error.message() : std::string()),
+                         ErrorKind::Output};
         return std::nullopt;
     }
 
-    Failure write(const std::string& name, std::span<const std::byte> bytes, PlaceFacts& facts) const {
+    Failure write(const std::string& name, std::span<const std::byte> bytes,
+                  PlaceFacts& facts) const {
         const fs::path path = fs::path(path_) / name;
         std::ofstream file(path, std::ios::binary | std::ios::trunc);
         file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
@@ -125,12 +128,15 @@ Result<Pixels> TileWriter::write(TileId id) {
 }
 
 // Subtrees of half the levels each, so that there is always a second storey of them.
-int subtreeLevels(const Plan& plan) { return (plan.levels() + 2) / 2; }
+int subtreeLevels(const Plan& plan) {
+    return (plan.levels() + 2) / 2;
+}
 
 std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
     std::uint64_t m = 0;
     for (int bit = 0; bit < 16; ++bit)
-        m |= std::uint64_t(x >> bit & 1) << (2 * bit) | std::uint64_t(y >> bit & 1) << (2 * bit + 1);
+        m |= std::uint64_t(x >> bit & 1) << (2 * bit) | std::uint64_t(y >> bit & 1)
+                                                            << (2 * bit + 1);
     return m;
 }
 
@@ -146,7 +152,8 @@ class Bits {
         if (count_ == 0 || count_ == size)
             return {{"constant", count_ == 0 ? 0 : 1}};
         binary.resize((binary.size() + 7) / 8 * 8, std::byte{0});
-        views.push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes_.size()}});
+        views.push_back(
+            {{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes_.size()}});
         binary.insert(binary.end(), bytes_.begin(), bytes_.end());
         return {{"bitstream", views.size() - 1}, {"availableCount", count_}};
     }
@@ -199,7 +206,8 @@ std::vector<std::byte> subtreeBytes(const Plan& plan, const TileWriter& tiles, T
     return out;
 }
 
-Failure writeSubtrees(const Plan& plan, const TileWriter& tiles, const Folder& folder, PlaceFacts& facts) {
+Failure writeSubtrees(const Plan& plan, const TileWriter& tiles, const Folder& folder,
+                      PlaceFacts& facts) {
     for (int level = 0; level <= plan.levels(); level += subtreeLevels(plan))
         for (int y = 0; y < 1 << level; ++y)
             for (int x = 0; x < 1 << level; ++x) {
@@ -223,23 +231,26 @@ json tilesetJson(const Plan& plan, const Geodetic& at) {
         for (int r = 0; r < 4; ++r)
             transform.push_back(m[c][r]);
     const double error = geometricErrorMetres(plan, 0);
-    return {{"asset", {{"version", "1.1"}, {"generator", "gnomon demo"}}},
-            {"geometricError", 2 * error},
-            {"root",
-             {{"transform", transform},
-              {"boundingVolume",
-               {{"box", {0, 0, (z.low + z.high) / 2, half, 0, 0, 0, half, 0, 0, 0, (z.high - z.low) / 2}}}},
-              {"geometricError", error},
-              {"refine", "REPLACE"},
-              {"content", {{"uri", "content/{level}.{x}.{y}.glb"}}},
-              {"implicitTiling",
-               {{"subdivisionScheme", "QUADTREE"},
-                {"subtreeLevels", subtreeLevels(plan)},
-                {"availableLevels", plan.levels() + 1},
-                {"subtrees", {{"uri", "subtrees/{level}.{x}.{y}.subtree"}}}}}}}};
+    return {
+        {"asset", {{"version", "1.1"}, {"generator", "gnomon demo"}}},
+        {"geometricError", 2 * error},
+        {"root",
+         {{"transform", transform},
+          {"boundingVolume",
+           {{"box",
+             {0, 0, (z.low + z.high) / 2, half, 0, 0, 0, half, 0, 0, 0, (z.high - z.low) / 2}}}},
+          {"geometricError", error},
+          {"refine", "REPLACE"},
+          {"content", {{"uri", "content/{level}.{x}.{y}.glb"}}},
+          {"implicitTiling",
+           {{"subdivisionScheme", "QUADTREE"},
+            {"subtreeLevels", subtreeLevels(plan)},
+            {"availableLevels", plan.levels() + 1},
+            {"subtrees", {{"uri", "subtrees/{level}.{x}.{y}.subtree"}}}}}}}};
 }
 
-Failure writeScene(const std::vector<FlightKey>& keys, const Geodetic& at, const Folder& folder, PlaceFacts& facts) {
+Failure writeScene(const std::vector<FlightKey>& keys, const Geodetic& at, const Folder& folder,
+                   PlaceFacts& facts) {
     const json flight = flightJson(keys, at);
     if (auto error = folder.writeJson("flight.json", flight, facts))
         return error;
@@ -257,7 +268,8 @@ Failure writeScene(const std::vector<FlightKey>& keys, const Geodetic& at, const
 Result<PlaceFacts> writePlace(const PlaceOptions& options,
                               const std::function<void(double fraction)>& progress) {
     if (options.buildings > kMostBuildings)
-        return Error{"--size", "at most " + std::to_string(kMostBuildings) + " buildings", ErrorKind::Usage};
+        return Error{"--size", "at most " + std::to_string(kMostBuildings) + " buildings",
+                     ErrorKind::Usage};
     if (const auto ecef = ecefFromGeodetic(options.at); !ecef)
         return Error{"--at", ecef.error().message(), ErrorKind::Usage};
     const Folder folder(options.folder);

@@ -2,8 +2,8 @@
 // (implicit quadtree, glb with Draco) with a scene and a flight beside it.
 //
 // It is authored in one flat frame, east, north, up in metres at `at`, and put on the Earth by the
-// root's transform alone; bounding volumes are boxes. So it is rigid: the same place to the last bit
-// at Cologne, at a pole and on the antimeridian. The same options give the same bytes, and only
+// root's transform alone; bounding volumes are boxes. So it is rigid: the same place to the last
+// bit at Cologne, at a pole and on the antimeridian. The same options give the same bytes, and only
 // tileset.json, place.scene.json and flight.json depend on `at`.
 #pragma once
 
@@ -31,9 +31,9 @@ struct PlaceFacts {
     std::size_t buildings = 0, trees = 0, sheds = 0; // at full detail
     std::size_t levels = 0;                          // of the quadtree
     std::size_t tiles = 0, subtrees = 0, files = 0;
-    std::uint64_t triangles = 0;     // at full detail, every tree counted
-    std::uint64_t bytes = 0;         // of all files
-    double sideMetres = 0;           // of the square
+    std::uint64_t triangles = 0; // at full detail, every tree counted
+    std::uint64_t bytes = 0;     // of all files
+    double sideMetres = 0;       // of the square
     double flightSeconds = 0;
 };
 

@@ -17,7 +17,9 @@ enum Salt : std::uint64_t { kHills = 10, kPlain, kRank, kPark, kStreet };
 
 } // namespace
 
-double onLattice(double metres) { return std::floor(metres / kLatticeMetres + 0.5) * kLatticeMetres; }
+double onLattice(double metres) {
+    return std::floor(metres / kLatticeMetres + 0.5) * kLatticeMetres;
+}
 
 double valueNoise(std::uint64_t seed, double x, double y) {
     const double fx = std::floor(x), fy = std::floor(y);
@@ -127,9 +129,9 @@ bool Plan::detailed(int ix, int iy) const {
 double Plan::riverDistance(glm::dvec2 p) const {
     const double k = 2 * std::numbers::pi / riverLength_, x = p.x - axisX();
     // Both terms have no slope at the bridge, so it crosses at a right angle.
-    const double y = bridgeY_ + riverSwing_ * (0.7 * (std::cos(k * x) - 1) +
-                                               0.3 * (std::cos(1.7 * k * x) - 1) +
-                                               0.6 * smoothstep(0, riverLength_, x));
+    const double y =
+        bridgeY_ + riverSwing_ * (0.7 * (std::cos(k * x) - 1) + 0.3 * (std::cos(1.7 * k * x) - 1) +
+                                  0.6 * smoothstep(0, riverLength_, x));
     const double slope = -riverSwing_ * k * (0.7 * std::sin(k * x) + 0.51 * std::sin(1.7 * k * x));
     return std::abs(p.y - y) / std::sqrt(1 + slope * slope);
 }
@@ -139,7 +141,8 @@ double Plan::avenueDistance(glm::dvec2 p) const {
     // About 37°, as 3-4-5.
     const glm::dvec2 along{0.8, 0.6}, d = p - centre();
     const double s = d.x * along.x + d.y * along.y, across = d.y * along.x - d.x * along.y;
-    if (std::abs(across) > kCellMetres || std::abs(s) < 95 || std::abs(s) > 0.9 * radius_ || riverDistance(p) < riverHalf_ + 22)
+    if (std::abs(across) > kCellMetres || std::abs(s) < 95 || std::abs(s) > 0.9 * radius_ ||
+        riverDistance(p) < riverHalf_ + 22)
         return kFar;
     return across;
 }
@@ -159,8 +162,9 @@ double Plan::terrain(glm::dvec2 p) const {
     z += hills_ * smoothstep(0.75 * radius_, 1.9 * radius_, r) * (0.75 * wide + 0.35 * small) *
          smoothstep(riverHalf_ + 20, riverHalf_ + 20 + 0.5 * radius_, d);
     // The bridge's road and the tower's square are level.
-    const double road = smoothstep(26, 8, std::abs(p.x - axisX())) *
-                        smoothstep(deckHalfLength() + 60, deckHalfLength() + 8, std::abs(p.y - bridgeY_));
+    const double road =
+        smoothstep(26, 8, std::abs(p.x - axisX())) *
+        smoothstep(deckHalfLength() + 60, deckHalfLength() + 8, std::abs(p.y - bridgeY_));
     z = mix(z, kPlainMetres, road);
     z = mix(z, kPlainMetres + 0.5, smoothstep(90, 45, r));
     return z * smoothstep(riverHalf_, riverHalf_ + 28, d);

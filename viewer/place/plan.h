@@ -43,9 +43,10 @@ struct Building {
     glm::dvec2 centre{0};
     double headingRadians = 0; // of its own x axis, counter-clockwise from east
     glm::dvec2 half{0};        // half sizes along its own axes
-    glm::dvec2 notch{0};       // > 0: an L, this much cut from the +x +y corner; for other corners…
+    glm::dvec2 notch{0}; // > 0: an L, this much cut from the +x +y corner; for other corners…
     glm::ivec2 notchCorner{1}; // …±1, ±1
     double baseMetres = 0;     // below the lowest ground around it
+    double groundMetres = 0;   // the highest ground around it
     double eavesMetres = 0;
     double roofMetres = 0; // ridge above the eaves
     Roof roof = Roof::Flat;
@@ -86,7 +87,7 @@ struct Block {
 struct Cell {
     CellKind kind = CellKind::Country;
     Rect rect;
-    std::vector<Block> blocks; // what is in no block is street
+    std::vector<Block> blocks;          // what is in no block is street
     std::vector<glm::dvec2> innerLines; // x, NaN or NaN, y: centres of streets inside
     std::vector<Building> buildings;
     std::vector<Tree> trees;
@@ -103,11 +104,11 @@ class Plan {
   public:
     Plan(std::uint64_t seed, std::size_t buildings);
 
-    int levels() const { return levels_; }              // 2^levels cells across
+    int levels() const { return levels_; } // 2^levels cells across
     int cells() const { return 1 << levels_; }
-    int firstCell() const { return -(cells() / 2); }    // cell indices are first … first + cells - 1
+    int firstCell() const { return -(cells() / 2); } // cell indices are first … first + cells - 1
     double sideMetres() const { return cells() * kCellMetres; }
-    double radiusMetres() const { return radius_; }      // of the built-up part, about the centre
+    double radiusMetres() const { return radius_; } // of the built-up part, about the centre
     static constexpr glm::dvec2 centre() { return {64.0, 64.0}; }
     std::uint64_t seed() const { return seed_; }
 

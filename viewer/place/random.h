@@ -20,7 +20,9 @@ inline std::uint64_t hash(std::uint64_t seed, std::int64_t x, std::int64_t y, st
 }
 
 // [0, 1) from the upper 53 bits.
-inline double unitOf(std::uint64_t h) { return double(h >> 11) * 0x1p-53; }
+inline double unitOf(std::uint64_t h) {
+    return double(h >> 11) * 0x1p-53;
+}
 
 class Random {
   public:
@@ -43,6 +45,8 @@ inline double smoothstep(double from, double to, double x) {
     const double t = (x - from) / (to - from);
     return t <= 0 ? 0 : t >= 1 ? 1 : t * t * (3 - 2 * t);
 }
-inline double mix(double a, double b, double t) { return a + (b - a) * t; }
+inline double mix(double a, double b, double t) {
+    return a + (b - a) * t;
+}
 
 } // namespace gnomon::builtin

@@ -26,7 +26,8 @@ void Shape::face(std::span<const glm::dvec3> corners, std::span<const glm::vec2>
     const auto first = std::uint32_t(positions.size());
     for (std::size_t i = 0; i < corners.size(); ++i) {
         // Snapped in the place's frame, so that tiles agree.
-        const glm::dvec3 p{onLattice(corners[i].x), onLattice(corners[i].y), onLattice(corners[i].z)};
+        const glm::dvec3 p{onLattice(corners[i].x), onLattice(corners[i].y),
+                           onLattice(corners[i].z)};
         positions.push_back(p - origin);
         uvs.push_back(uv.empty() ? glm::vec2(0.0f) : uv[i]);
         colors.push_back(color);
@@ -81,7 +82,8 @@ void addShed(Shape& into, const Plan& plan, const Shed& shed) {
     double low = 1e9;
     for (const double sx : {-x, x})
         for (const double sy : {-y, y})
-            low = std::min(low, plan.ground(shed.at + glm::dvec2(c * sx - s * sy, s * sx + c * sy)));
+            low =
+                std::min(low, plan.ground(shed.at + glm::dvec2(c * sx - s * sy, s * sx + c * sy)));
     const auto at = [&](double lx, double ly, double z) {
         return glm::dvec3(shed.at + glm::dvec2(c * lx - s * ly, s * lx + c * ly), z);
     };
@@ -159,7 +161,8 @@ Shape treeShape(TreeKind kind, bool simple) {
         if (simple)
             crown({{0, 0.2}, {0.33, 0.55}, {0, 1.0}}, 5, 0, 0.6);
         else
-            crown({{0.10, 0.24}, {0.29, 0.36}, {0.34, 0.60}, {0.24, 0.86}, {0, 1.0}}, 7, 0.10, 0.55);
+            crown({{0.10, 0.24}, {0.29, 0.36}, {0.34, 0.60}, {0.24, 0.86}, {0, 1.0}}, 7, 0.10,
+                  0.55);
         break;
     case TreeKind::Poplar:
         shape.setColor({0.40f, 0.53f, 0.26f});
@@ -239,7 +242,9 @@ void addBridge(Shape& into, const Plan& plan, Detail detail) {
     const double step = 2 * half / panels;
     const bool full = detail == Detail::Full;
     for (const double sx : {x - width + 0.25, x + width - 0.25}) {
-        const auto at = [&](int i, double up) { return glm::dvec3(sx, y - half + i * step, z + up); };
+        const auto at = [&](int i, double up) {
+            return glm::dvec3(sx, y - half + i * step, z + up);
+        };
         addBar(into, at(0, 0.15), at(panels, 0.15), 0.15, 0.3);
         addBar(into, at(1, high), at(panels - 1, high), 0.15, 0.25);
         for (int i = 1; i < panels; ++i)

@@ -76,7 +76,8 @@ class TerrainBuilder {
         shape_.positions.push_back(p - shape_.origin);
         const glm::dvec3 up{h(-1, 0) - h(1, 0), h(0, -1) - h(0, 1), 2 * kGroundStepMetres};
         shape_.normals.push_back(glm::vec3(glm::normalize(up)));
-        shape_.uvs.push_back({float(double(i) / double(fine_)), float(1 - double(j) / double(fine_))});
+        shape_.uvs.push_back(
+            {float(double(i) / double(fine_)), float(1 - double(j) / double(fine_))});
         return std::uint32_t(shape_.positions.size() - 1);
     }
 
@@ -172,7 +173,8 @@ CellRange cellsOf(const Plan& plan, TileId id) {
 
 Rect tileRect(const Plan& plan, TileId id) {
     const CellRange c = cellsOf(plan, id);
-    return {c.west * kCellMetres, c.south * kCellMetres, c.east * kCellMetres, c.north * kCellMetres};
+    return {c.west * kCellMetres, c.south * kCellMetres, c.east * kCellMetres,
+            c.north * kCellMetres};
 }
 
 bool subdivided(const Plan& plan, TileId id) {
@@ -187,7 +189,9 @@ bool subdivided(const Plan& plan, TileId id) {
     return false;
 }
 
-Shape terrainShape(const Plan& plan, const Rect& tile) { return TerrainBuilder(plan, tile).build(); }
+Shape terrainShape(const Plan& plan, const Rect& tile) {
+    return TerrainBuilder(plan, tile).build();
+}
 
 TileShapes tileShapes(const Plan& plan, TileId id) {
     TileShapes out;
@@ -212,7 +216,8 @@ TileShapes tileShapes(const Plan& plan, TileId id) {
             else
                 addBridge(out.houses, plan, detail);
             out.ids.push_back(index * 256 + 255);
-            out.heights.push_back(cell.kind == CellKind::Square ? float(plan.towerMetres()) : 12.7f);
+            out.heights.push_back(cell.kind == CellKind::Square ? float(plan.towerMetres())
+                                                                : 12.7f);
         }
     return out;
 }
@@ -240,13 +245,16 @@ Result<TileBytes> makeTile(const Plan& plan, TileId id, const Pixels& ground,
     if (shapes.houses.withFeatures)
         glb.setTable(shapes.ids.size(), {{"id", "UINT32", toBytes(shapes.ids)},
                                          {"height", "FLOAT32", toBytes(shapes.heights)}});
-    const int groundMaterial = glb.addMaterial("ground", glb.addTexture(*image, "image/jpeg", false), false);
+    const int groundMaterial =
+        glb.addMaterial("ground", glb.addTexture(*image, "image/jpeg", false), false);
     if (auto error = glb.addMesh("ground", terrain, groundMaterial))
         return *error;
-    const auto addSolids = [&](const char* name, const Shape& shape, const std::vector<std::byte>& png) {
+    const auto addSolids = [&](const char* name, const Shape& shape,
+                               const std::vector<std::byte>& png) {
         if (shape.indices.empty())
             return Failure();
-        return glb.addMesh(name, shape, glb.addMaterial(name, glb.addTexture(png, "image/png", true), false));
+        return glb.addMesh(name, shape,
+                           glb.addMaterial(name, glb.addTexture(png, "image/png", true), false));
     };
     if (auto error = addSolids("houses", shapes.houses, pictures.houses))
         return *error;
@@ -265,8 +273,8 @@ Result<TileBytes> makeTile(const Plan& plan, TileId id, const Pixels& ground,
                                          {TreeKind::Poplar, "poplars"},
                                          {TreeKind::Conifer, "conifers"}}) {
             const Shape tree = treeShape(kind, simple);
-            const Instances where = instancesOf(plan, shapes.trees, kind, terrain.origin,
-                                                rect.width() / kGridSquares);
+            const Instances where =
+                instancesOf(plan, shapes.trees, kind, terrain.origin, rect.width() / kGridSquares);
             glb.addInstanced(name, tree, material, where);
             out.triangles += tree.triangles() * where.translations.size();
         }

@@ -1,11 +1,12 @@
 // One tile of the place as glb bytes, at any level of the quadtree.
 //
 // Geometric error. A leaf shows everything. One level up (error 4 m) chimneys, parapets, overhangs
-// and railings are left out, all under 1 m, and trees become five-sided: up to 4 m off. Two up (8 m)
-// every second tree is gone, three up (16 m) all trees, as tall as 16 m, and roofs are flat at half
-// their height; four up (32 m) a block's houses are one box, its courtyard filled: some 30 m off.
-// Further up only blocks taller than a quarter of the error are left. The terrain's grid doubles each
-// level; its hills are far gentler than these errors. So the error is 4 m · 2^(levels up - 1).
+// and railings are left out, all under 1 m, and trees become five-sided: up to 4 m off. Two up (8
+// m) every second tree is gone, three up (16 m) all trees, as tall as 16 m, and roofs are flat at
+// half their height; four up (32 m) a block's houses are one box, its courtyard filled: some 30 m
+// off. Further up only blocks taller than a quarter of the error are left. The terrain's grid
+// doubles each level; its hills are far gentler than these errors. So the error is 4 m · 2^(levels
+// up - 1).
 #pragma once
 
 #include "geo/result.h"
@@ -33,8 +34,9 @@ CellRange cellsOf(const Plan& plan, TileId id);
 // Country that no finer tile would show better stays a leaf.
 bool subdivided(const Plan& plan, TileId id);
 
-// A grid of 32 x 32 squares whose outermost ring has the finest grid's corners along the tile's edge,
-// so that neighbours meet without cracks whatever their levels. u, v span the tile; normals smooth.
+// A grid of 32 x 32 squares whose outermost ring has the finest grid's corners along the tile's
+// edge, so that neighbours meet without cracks whatever their levels. u, v span the tile; normals
+// smooth.
 Shape terrainShape(const Plan& plan, const Rect& tile);
 
 // The solids and the open sheds of a tile.

@@ -1,0 +1,148 @@
+#include "streaming/image.h"
+
+#include "glb_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace gnomon {
+
+using namespace test;
+
+namespace {
+
+constexpr std::uint64_t kPlenty = std::uint64_t(512) << 20;
+
+std::string reasonOf(const std::string& file) {
+    ByteBudget budget(kPlenty);
+    const Bytes bytes = bytesOf(file);
+    try {
+        decodeImage(bytes, budget);
+    } catch (const BadContent& bad) {
+        return bad.reason;
+    }
+    return {};
+}
+
+Image imageOf(const std::string& file) {
+    ByteBudget budget(kPlenty);
+    const Bytes bytes = bytesOf(file);
+    return decodeImage(bytes, budget);
+}
+
+// The JPEG in a Mars tile; nothing when the data is not here.
+std::string marsJpeg() {
+    const auto tile = readData("tiles-mars-terrain-replace/root.b3dm");
+    const std::size_t start = tile ? tile->find("\xff\xd8\xff") : std::string::npos;
+    if (start == std::string::npos) {
+        return {};
+    }
+    const std::size_t end = tile->rfind("\xff\xd9");
+    return tile->substr(start, end + 2 - start);
+}
+
+} // namespace
+
+TEST(ImageFile, PngOfOneToFourChannelsBecomesRgba) {
+    using Rgba = std::vector<std::uint8_t>;
+    EXPECT_EQ(imageOf(pngOf(2, 1, 1, "ab")).rgba, (Rgba{'a', 'a', 'a', 255, 'b', 'b', 'b', 255}));
+    EXPECT_EQ(imageOf(pngOf(1, 2, 2, "abcd")).rgba, (Rgba{'a', 'a', 'a', 'b', 'c', 'c', 'c', 'd'}));
+    EXPECT_EQ(imageOf(pngOf(2, 1, 3, "abcdef")).rgba,
+              (Rgba{'a', 'b', 'c', 255, 'd', 'e', 'f', 255}));
+    // Alpha stays apart from the colours.
+    EXPECT_EQ(imageOf(pngOf(1, 1, 4, std::string("\xf0\x10\x20\x40", 4))).rgba,
+              (Rgba{0xf0, 0x10, 0x20, 0x40}));
+}
+
+TEST(ImageFile, RowsGoFromTopToBottom) {
+    const Image image = imageOf(pngOf(1, 3, 1, "xyz"));
+    EXPECT_EQ(image.width, 1);
+    EXPECT_EQ(image.height, 3);
+    EXPECT_EQ(image.rgba[0], 'x');
+    EXPECT_EQ(image.rgba[8], 'z');
+}
+
+TEST(ImageFile, TheFirstBytesDecideWhatItIs) {
+    const auto sniff = [](const std::string& text) { return sniffImage(bytesOf(text)); };
+    EXPECT_EQ(sniff(pngOf(1, 1, 1, "a")), ImageFormat::Png);
+    EXPECT_EQ(sniff("\xff\xd8\xff\xe0"), ImageFormat::Jpeg);
+    EXPECT_EQ(sniff("RIFF....WEBP"), ImageFormat::Webp);
+    EXPECT_EQ(sniff(""), ImageFormat::Unknown);
+    for (const char* other :
+         {"SDPX....", "GIF89a", "BM......", "II*\0", "#?RADIANCE", "\0\0\1\0"}) {
+        EXPECT_EQ(reasonOf(std::string(other, 8) + std::string(200, 'x')),
+                  "image is neither PNG, JPEG nor WebP");
+    }
+}
+
+TEST(ImageFile, ClaimsBeyondTheLimitAreRefusedUnread) {
+    EXPECT_NE(reasonOf(pngOf(2, 1, 1, "ab", 8193)).find("8193 x 1"), std::string::npos);
+    EXPECT_NE(reasonOf(pngOf(2, 1, 1, "ab", 0x7fffffff)).find("pixels"), std::string::npos);
+    EXPECT_NE(reasonOf(pngOf(2, 1, 1, "ab", 0)).find("pixels"), std::string::npos);
+    std::string jpeg = "\xff\xd8\xff\xc0"; // start of frame: 65535 x 65535
+    jpeg += std::string("\0\x11\x08\xff\xff\xff\xff\3", 8) + std::string(60, '\1');
+    EXPECT_NE(reasonOf(jpeg).find("65535 x 65535"), std::string::npos);
+    const std::string bomb = pngOf(8000, 8, 1, std::string(64000, 'a'), 8000);
+    EXPECT_EQ(reasonOf(bomb), ""); // large, but no lie
+    std::string tall = bomb;
+    tall[22] = 0x1f; // 8000 rows of which 8 are there
+    tall[23] = 0x40;
+    EXPECT_NE(reasonOf(tall), "");
+}
+
+TEST(ImageFile, TruncatedPngIsAnErrorAtEveryLength) {
+    const std::string png = pngOf(4, 4, 4, std::string(64, 'q'));
+    for (std::size_t length = 0; length < png.size(); ++length) {
+        EXPECT_NE(reasonOf(png.substr(0, length)), "") << length;
+    }
+}
+
+TEST(ImageFile, AWrongChecksumIsAnError) {
+    std::string png = pngOf(4, 4, 4, std::string(64, 'q'));
+    png[60] ^= 1;
+    EXPECT_NE(reasonOf(png).find("checksum"), std::string::npos);
+}
+
+TEST(ImageFile, ChunksThatArePaintedOverAreLeftOut) {
+    std::string png = pngOf(1, 1, 1, "a");
+    png.insert(33, pngChunk("iCCP", "a profile that is no profile")); // libpng would complain
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(imageOf(png).rgba[0], 'a');
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(ImageFile, JpegIsRead) {
+    const std::string jpeg = marsJpeg();
+    if (jpeg.empty()) {
+        GTEST_SKIP() << "tiles-mars-terrain-replace is not here";
+    }
+    const Image image = imageOf(jpeg);
+    EXPECT_EQ(image.width, 256);
+    EXPECT_EQ(image.height, 256);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        sum += image.rgba[i];
+        ASSERT_EQ(image.rgba[i + 3], 255);
+    }
+    EXPECT_GT(sum / (256 * 256), 20.0); // there is something on it
+    EXPECT_NE(reasonOf(jpeg.substr(0, jpeg.size() / 2)), "");
+}
+
+TEST(ImageFile, FlippedBytesNeverCrashNorPrint) {
+    const std::string jpeg = marsJpeg();
+    std::mt19937 random(17);
+    testing::internal::CaptureStderr();
+    for (const std::string& good : {jpeg, pngOf(16, 16, 3, std::string(768, 'k'))}) {
+        for (int trial = 0; trial < 300 && !good.empty(); ++trial) {
+            std::string bad = good;
+            for (int k = 0; k < 3; ++k) {
+                bad[random() % bad.size()] = char(random());
+            }
+            reasonOf(bad);
+        }
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+} // namespace gnomon
