@@ -24,9 +24,11 @@ const int FILTER_PCSS = 2;
 // A dense disc reads every texel below it; beyond this radius samples are spread instead.
 const float DENSE_RADIUS = 3.0;
 const float GOLDEN_ANGLE = 2.39996323;
-// What blocks must stand off the receiver's plane by more than this times its distance sideways: a
-// facet next to the receiver's own, tilted towards the sun by less than 27°, is not a blocker.
-const float CONE_SLOPE = 0.5;
+// Two lit faces that meet in a hollow, as a wall and the ground before it, must not shade each other.
+// Across such an edge a face rises over the receiver's plane by (tan a + tan b) for each unit sideways,
+// a and b the angles between the sun and the two normals. A texel that stands no higher than that says
+// nothing: it may be the neighbouring face or a blocker that touches. tan b is taken as this (63°).
+const float NEIGHBOUR_SLOPE = 2.0;
 
 struct Receiver {
     int cascade;
@@ -49,36 +51,44 @@ vec4 gatherDepth(int cascade, vec2 corner, out vec2 base) {
 const vec4 GATHER_X = vec4(0.5, 1.5, 1.5, 0.5);
 const vec4 GATHER_Y = vec4(1.5, 1.5, 0.5, 0.5);
 
-// Of four texels: how far each stands before the receiver's plane; <= 0 where it does not block.
-vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy) {
+// What four texels say: how far each stands before the receiver's plane (0 where it does not block),
+// and in `says` 1, or 0 for one that could as well be the face next to the receiver's own.
+vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec2 base;
     vec4 depth = gatherDepth(r.cascade, corner, base);
     dx = base.x + GATHER_X - r.lattice.x;
     dy = base.y + GATHER_Y - r.lattice.y;
-    vec4 plane = r.depth + r.gradient.x * dx + r.gradient.y * dy;
-    vec4 tolerance = r.tolerance + r.toleranceSlope * sqrt(dx * dx + dy * dy);
-    vec4 gap = depth - plane;
-    return mix(vec4(0.0), gap, greaterThan(gap, tolerance));
+    vec4 gap = depth - (r.depth + r.gradient.x * dx + r.gradient.y * dy) - r.tolerance;
+    vec4 neighbour = r.toleranceSlope * sqrt(dx * dx + dy * dy);
+    bvec4 before = greaterThan(gap, vec4(0.0));
+    bvec4 clear = greaterThan(gap, neighbour);
+    says = vec4(not(before)) + vec4(clear);
+    return mix(vec4(0.0), gap, clear);
 }
 
 vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
+
+// Of what was said; a receiver of which nothing is said is lit.
+float share(float litSum, float total) { return total > 0.0 ? litSum / total : 1.0; }
 
 // A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
 float boxFilter(Receiver r, float width) {
     vec2 low = r.lattice - 0.5 * width, high = r.lattice + 0.5 * width;
     vec2 first = floor(low);
     int quads = int(ceil((width + 1.0) * 0.5));
-    float sum = 0.0;
+    float sum = 0.0, total = 0.0;
     for (int j = 0; j < quads; ++j)
         for (int i = 0; i < quads; ++i) {
-            vec4 dx, dy;
-            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy));
+            vec4 dx, dy, says;
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
             vec4 x = dx + r.lattice.x, y = dy + r.lattice.y; // texel centres
             vec4 wx = clamp(min(x + 0.5, high.x) - max(x - 0.5, low.x), 0.0, 1.0);
             vec4 wy = clamp(min(y + 0.5, high.y) - max(y - 0.5, low.y), 0.0, 1.0);
-            sum += dot(shade, wx * wy);
+            vec4 weight = says * wx * wy;
+            sum += dot(shade, weight);
+            total += dot(weight, vec4(1.0));
         }
-    return sum / (width * width);
+    return share(sum, total);
 }
 
 // Every texel below a disc, those at its rim by their share.
@@ -88,13 +98,13 @@ float denseDisc(Receiver r, float radius) {
     float sum = 0.0, total = 0.0;
     for (int j = 0; j < quads; ++j)
         for (int i = 0; i < quads; ++i) {
-            vec4 dx, dy;
-            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy));
-            vec4 weight = clamp(radius + 0.5 - sqrt(dx * dx + dy * dy), 0.0, 1.0);
+            vec4 dx, dy, says;
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
+            vec4 weight = says * clamp(radius + 0.5 - sqrt(dx * dx + dy * dy), 0.0, 1.0);
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }
-    return sum / total;
+    return share(sum, total);
 }
 
 vec2 spiral(int i, int count, float radius) {
@@ -105,60 +115,63 @@ vec2 spiral(int i, int count, float radius) {
 // Bilinear taps at a fixed spiral (Vogel): the pattern belongs to the lattice, so it does not swim.
 float sampledDisc(Receiver r, float radius) {
     int count = int(filter_.w);
-    float sum = 0.0;
+    float sum = 0.0, total = 0.0;
     for (int i = 0; i < count; ++i) {
         vec2 tap = r.lattice + spiral(i, count, radius) - 0.5;
-        vec2 f = fract(tap);
-        vec4 dx, dy;
-        vec4 shade = lit(gaps(r, floor(tap), dx, dy));
-        vec2 row = mix(shade.wx, shade.zy, f.x);
-        sum += mix(row.x, row.y, f.y);
+        vec2 f = fract(tap), g = 1.0 - f;
+        vec4 dx, dy, says;
+        vec4 shade = lit(gaps(r, floor(tap), dx, dy, says));
+        vec4 weight = says * vec4(g.x * f.y, f.x * f.y, f.x * g.y, g.x * g.y);
+        sum += dot(shade, weight);
+        total += dot(weight, vec4(1.0));
     }
-    return sum / float(count);
+    return share(sum, total);
 }
 
-void countBlockers(vec4 gap, inout float blocked, inout float gapSum, inout float seen) {
-    blocked += dot(vec4(greaterThan(gap, vec4(0.0))), vec4(1.0));
-    gapSum += dot(gap, vec4(1.0));
-    seen += 4.0;
+struct Blockers {
+    float count, gapSum, litCount;
+};
+
+void look(Receiver r, vec2 corner, inout Blockers found) {
+    vec4 dx, dy, says;
+    vec4 gap = gaps(r, corner, dx, dy, says);
+    float count = dot(vec4(greaterThan(gap, vec4(0.0))), vec4(1.0));
+    found.count += count;
+    found.gapSum += dot(gap, vec4(1.0));
+    found.litCount += dot(says, vec4(1.0)) - count;
 }
 
 float pcss(Receiver r) {
     float texel = cascadeOffset[r.cascade].w;
     // No caster stands higher than the highest, so no penumbra here is wider than this.
     float search = max(r.reach * toSun.w / texel, 1.0);
-    float blocked = 0.0, gapSum = 0.0, seen = 0.0;
-    vec4 dx, dy;
+    Blockers found = Blockers(0.0, 0.0, 0.0);
     if (search <= DENSE_RADIUS) {
         vec2 first = floor(r.lattice - search - 0.5);
         int quads = int(ceil(search)) + 1;
         for (int j = 0; j < quads; ++j)
             for (int i = 0; i < quads; ++i)
-                countBlockers(gaps(r, first + 2.0 * vec2(i, j), dx, dy), blocked, gapSum, seen);
+                look(r, first + 2.0 * vec2(i, j), found);
     } else {
         int count = int(filter_.z);
         for (int i = 0; i < count; ++i)
-            countBlockers(gaps(r, floor(r.lattice + spiral(i, count, search) - 0.5), dx, dy), blocked,
-                          gapSum, seen);
+            look(r, floor(r.lattice + spiral(i, count, search) - 0.5), found);
         // The spiral may miss what stands close by.
         for (int j = 0; j < 2; ++j)
             for (int i = 0; i < 2; ++i)
-                countBlockers(gaps(r, floor(r.lattice - 1.5) + 2.0 * vec2(i, j), dx, dy), blocked, gapSum,
-                              seen);
+                look(r, floor(r.lattice - 1.5) + 2.0 * vec2(i, j), found);
     }
-    if (blocked == 0.0)
+    if (found.count == 0.0)
         return 1.0;
-    if (blocked == seen)
+    if (found.litCount == 0.0)
         return 0.0;
-    float radius = clamp(gapSum / blocked * toSun.w / texel, 1.0, search);
+    float radius = clamp(found.gapSum / found.count * toSun.w / texel, 1.0, search);
     return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
 }
 
 float nearest(Receiver r) {
-    vec2 base;
-    vec2 corner = floor(r.lattice);
-    vec4 dx, dy;
-    return lit(gaps(r, corner, dx, dy)).w;
+    vec4 dx, dy, says;
+    return lit(gaps(r, floor(r.lattice), dx, dy, says)).w;
 }
 
 float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance) {
@@ -177,7 +190,7 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     // normal's 16 bits through the derivative of the slope.
     float steep2 = dot(slope, slope);
     r.tolerance = cascadeOrigin[cascade].z + 1e-6 * distance + sqrt(steep2) * texel * fade.w * 2.4e-7;
-    r.toleranceSlope = texel * (CONE_SLOPE + 6e-5 * (1.0 + steep2));
+    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
 
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);
 

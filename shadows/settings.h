@@ -23,7 +23,7 @@ struct ShadowSettings {
     int filterSamples = 32;
     int cascades = 4;        // 1…5
     int mapSize = 2048;      // texels across, 512…8192
-    double splitLambda = 0.7;
+    double splitLambda = 0.85;
     std::optional<double> rangeMetres; // how far from the eye shadows reach; fitted when not given
     std::optional<double> fadeMetres;  // over the last of which they fade; a tenth of the range
     double blendFraction = 0.1;        // of a cascade, mixed with the next

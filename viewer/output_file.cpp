@@ -59,8 +59,11 @@ bool isSpecial(const std::string& path) {
 
 std::string temporaryNameFor(const std::string& path) {
     const std::filesystem::path p(path);
-    const std::string name =
-        "." + p.filename().string() + "." + std::to_string(::getpid()) + ".part";
+    std::string name = ".";
+    name += p.filename().string();
+    name += '.';
+    name += std::to_string(::getpid());
+    name += ".part";
     return (p.parent_path() / name).string();
 }
 

@@ -44,7 +44,7 @@ std::string ProgressBar::lineFor(std::size_t done, std::size_t total, Clock::tim
     std::string line;
     if (terminal_) {
         const auto full = std::size_t(fraction * double(kBarWidth));
-        line = "[" + std::string(full, '#') + std::string(kBarWidth - full, ' ') + "] ";
+        line.append(1, '[').append(full, '#').append(kBarWidth - full, ' ').append("] ");
     }
     line += std::to_string(done) + "/" + std::to_string(total) + " " + what_;
     const auto spent = std::chrono::duration<double>(now - start_);

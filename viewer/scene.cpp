@@ -15,8 +15,6 @@ namespace {
 
 // Enough to know where the ground is and which way is up; the same tiles are drawn later anyway.
 constexpr std::size_t kContentsLookedAt = 4;
-// Heights are taken from at most so many vertices of each content.
-constexpr std::size_t kVerticesLookedAt = 4096;
 // A vertex in twenty may lie below the base: cellars, moats, stray points.
 constexpr double kBelowBase = 0.05;
 
@@ -96,18 +94,32 @@ Result<Transform<Ecef, Tile>> frameFor(const Input& input, const PlacingOptions&
                                 "); say where it is with --place LON,LAT,H or --crs EPSG:n"};
 }
 
-std::optional<HeightRange> heightsOf(StreamedTileset& tileset) {
+// Heights above the ellipsoid near `centre`, to second order: about a millimetre per kilometre off,
+// and the same for a place moved rigidly over the Earth, which exact heights are not.
+class HeightsNear {
+  public:
+    explicit HeightsNear(Point<Ecef> centre)
+        : centre_(centre), up_(ellipsoidNormal(centre)), height_(geodeticOf(centre).heightMetres) {}
+    double operator()(Point<Ecef> p) const {
+        constexpr double kMeanRadiusMetres = 6371000.0;
+        const Vector<Ecef> d = p - centre_;
+        const double above = dot(d, up_);
+        return height_ + above + (dot(d, d) - above * above) / (2.0 * kMeanRadiusMetres);
+    }
+
+  private:
+    Point<Ecef> centre_;
+    Vector<Ecef> up_;
+    double height_;
+};
+
+std::optional<HeightRange> heightsOf(StreamedTileset& tileset, Point<Ecef> centre) {
+    const HeightsNear heightOf(centre);
     std::vector<double> heights;
-    for (const auto& content : firstContents(tileset, kContentsLookedAt)) {
-        std::size_t vertices = 0, seen = 0;
-        for (const Mesh& mesh : content->meshes)
-            vertices += mesh.positions.size();
-        const std::size_t step = vertices / kVerticesLookedAt + 1;
+    for (const auto& content : firstContents(tileset, kContentsLookedAt))
         for (const Mesh& mesh : content->meshes)
             for (const glm::vec3& p : mesh.positions)
-                if (seen++ % step == 0)
-                    heights.push_back(geodeticOf({mesh.origin.xyz + glm::dvec3(p)}).heightMetres);
-    }
+                heights.push_back(heightOf({mesh.origin.xyz + glm::dvec3(p)}));
     if (heights.empty())
         return std::nullopt;
     std::sort(heights.begin(), heights.end());
@@ -153,7 +165,7 @@ Result<OpenedLayer> openLayer(const Input& input, const PlacingOptions& options,
         opened.origin->heightMetres += options.raiseMetres;
     }
     if (!opening.unplaced) // then nobody asks for the scene's anchor
-        opened.heights = heightsOf(*opened.layer.tileset);
+        opened.heights = heightsOf(*opened.layer.tileset, opened.bounds.centre);
     return opened;
 }
 

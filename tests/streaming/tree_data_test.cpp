@@ -90,11 +90,9 @@ TEST(MarsTiles, HasAllContentsInEveryVariant) {
     };
     const Case cases[] = {
         {"tileset.json", 293, {}},
-        {"tileset-add.json", 293, {}},
         {"tileset-no-root-content.json", 292, {}},
         {"tileset-no-midtile-content.json", 292, {}},
         {"tileset-broken-root-content.json", 292, {"root-non-existent.b3dm"}},
-        {"tileset-external.json", 293, {}},
         {"tileset-external-with-url-params.json", 293, {}},
         {"tileset-external-broken.json", 272, {"nonexistent.json"}},
     };

@@ -163,7 +163,7 @@ TEST(Scene, TheBuiltInPlaceIsTheSameSceneAnywhere) {
             rigidInverse(there->ecefFromAnchor)(boundingSphere(node.volume).centre).xyz;
         EXPECT_LE(glm::length(c - centre), 1e-6) << at.latitudeDegrees;
         EXPECT_NEAR(there->radiusMetres, cologne->radiusMetres, 1e-6);
-        EXPECT_NEAR(there->heightMetres, cologne->heightMetres, 0.1); // the Earth's curvature
+        EXPECT_NEAR(there->heightMetres, cologne->heightMetres, 1e-5);
     }
 }
 
