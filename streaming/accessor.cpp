@@ -102,9 +102,13 @@ AccessorReader::AccessorReader(const GltfDocument& document, int index) {
         stride_ = given != 0 ? given : elementBytes_;
         data_ = slice(view, accessor.byteOffset, count_, stride_, elementBytes_, named);
     }
-    if (!accessor.sparse.isSparse) {
-        return;
+    if (accessor.sparse.isSparse) {
+        readSparse(document, accessor, named);
     }
+}
+
+void AccessorReader::readSparse(const GltfDocument& document, const tinygltf::Accessor& accessor,
+                                const std::string& named) {
     const auto& sparse = accessor.sparse;
     const auto indexType = ComponentType(sparse.indices.componentType);
     const std::size_t indexBytes = sizeOf(indexType);

@@ -56,6 +56,19 @@ std::string stringIn(const Json& object, const char* key) {
     return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
+std::vector<ImageSource> imageSources(const Json& root) {
+    std::vector<ImageSource> images;
+    for (const Json& image : arrayOf(root, "images")) {
+        ImageSource source;
+        source.uri = image.is_object() ? stringIn(image, "uri") : std::string();
+        if (const auto view = image.is_object() ? unsignedIn(image, "bufferView") : std::nullopt) {
+            source.bufferView = int(std::min<std::uint64_t>(*view, 0x7fffffff));
+        }
+        images.push_back(std::move(source));
+    }
+    return images;
+}
+
 std::string oneLine(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) {
         text.pop_back();
@@ -266,41 +279,36 @@ GltfDocument::GltfDocument(Span bytes, const DecodeOptions& options, ByteBudget&
     }
     checkModelSize(root, budget);
 
-    for (const Json& image : arrayOf(root, "images")) {
-        ImageSource source;
-        source.uri = image.is_object() ? stringIn(image, "uri") : std::string();
-        if (const auto view = image.is_object() ? unsignedIn(image, "bufferView") : std::nullopt) {
-            source.bufferView = int(std::min<std::uint64_t>(*view, 0x7fffffff));
-        }
-        images_.push_back(std::move(source));
-    }
-    const Json& buffers = arrayOf(root, "buffers");
-    owned_.reserve(buffers.size()); // the spans point into its elements
-    for (const Json& buffer : buffers) {
-        const auto size = buffer.is_object() ? unsignedIn(buffer, "byteLength") : std::nullopt;
-        if (!size) {
-            throw BadContent{"buffer " + std::to_string(buffers_.size()) + " has no byteLength"};
-        }
-        const std::string uri = stringIn(buffer, "uri");
-        Span data;
-        if (!uri.empty()) {
-            owned_.push_back(readUri(uri));
-            budget.take(owned_.back().size(), 1, "buffer");
-            data = owned_.back();
-        } else if (buffers_.empty()) {
-            data = chunks.bin;
-        }
-        const bool placeholder = uri.empty() && data.empty(); // EXT_meshopt_compression has such
-        if (!placeholder && *size > data.size()) {
-            throw BadContent{"buffer " + std::to_string(buffers_.size()) + " should have " +
-                             std::to_string(*size) + " bytes, but has " +
-                             std::to_string(data.size())};
-        }
-        buffers_.push_back(placeholder ? data : data.first(std::size_t(*size)));
+    images_ = imageSources(root);
+    for (const Json& buffer : arrayOf(root, "buffers")) {
+        addBuffer(buffer.is_object() ? unsignedIn(buffer, "byteLength") : std::nullopt,
+                  buffer.is_object() ? stringIn(buffer, "uri") : std::string(), chunks.bin, budget);
     }
     const int standIn = addStandIn(root);
     model_ = loadModel(strippedJson(root));
     removeStandIn(*model_, standIn);
+}
+
+void GltfDocument::addBuffer(std::optional<std::uint64_t> size, const std::string& uri,
+                             std::span<const std::byte> bin, ByteBudget& budget) {
+    const std::string named = "buffer " + std::to_string(buffers_.size());
+    if (!size) {
+        throw BadContent{named + " has no byteLength"};
+    }
+    Span data;
+    if (!uri.empty()) {
+        owned_.push_back(readUri(uri)); // moving a vector leaves its bytes where they are
+        budget.take(owned_.back().size(), 1, "buffer");
+        data = owned_.back();
+    } else if (buffers_.empty()) {
+        data = bin;
+    }
+    const bool placeholder = uri.empty() && data.empty(); // EXT_meshopt_compression has such
+    if (!placeholder && *size > data.size()) {
+        throw BadContent{named + " should have " + std::to_string(*size) + " bytes, but has " +
+                         std::to_string(data.size())};
+    }
+    buffers_.push_back(placeholder ? data : data.first(std::size_t(*size)));
 }
 
 Bytes GltfDocument::readUri(const std::string& uri) const {

@@ -19,6 +19,7 @@
 namespace gnomon_tinygltf { // streaming/tinygltf.h
 class Model;
 class Value;
+struct Accessor;
 } // namespace gnomon_tinygltf
 
 namespace gnomon {
@@ -61,6 +62,8 @@ class GltfDocument {
     bool uses(const std::string& extension) const;
 
   private:
+    void addBuffer(std::optional<std::uint64_t> size, const std::string& uri,
+                   std::span<const std::byte> bin, ByteBudget& budget);
     Bytes readUri(const std::string& uri) const;
 
     const DecodeOptions& options_;
@@ -103,6 +106,8 @@ class AccessorReader {
     std::uint32_t index(std::size_t element) const;                   // of an unsigned scalar
 
   private:
+    void readSparse(const GltfDocument& document, const tinygltf::Accessor& accessor,
+                    const std::string& named);
     const std::byte* element(std::size_t i) const;
     double raw(std::size_t element, int component) const;
 

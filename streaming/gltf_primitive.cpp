@@ -223,16 +223,7 @@ Triangles readTriangles(const GltfDocument& document, const tinygltf::Primitive&
             indices[i] = reader.index(i);
         }
     }
-    Triangles triangles = assemble(indices, primitive.mode, restart);
-    for (const auto& triangle : triangles) {
-        for (const std::uint32_t index : triangle) {
-            if (index >= vertices) {
-                throw BadContent{"index " + std::to_string(index) + " of " +
-                                 std::to_string(vertices) + " vertices"};
-            }
-        }
-    }
-    return triangles;
+    return assemble(indices, primitive.mode, restart);
 }
 
 // Renumbers the triangles by first use and returns the vertices they use, in that order. Exporters

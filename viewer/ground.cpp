@@ -79,8 +79,8 @@ Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<doub
     return mesh;
 }
 
-// A column of the Earth about the anchor, nothing in it too coarse to look at once.
-View columnView(const Scene& scene, double halfWidthMetres) {
+// A column of the Earth about the anchor, at a level of detail by the size of its pixels.
+View columnView(const Scene& scene, double halfWidthMetres, double pixelMetres) {
     View view;
     for (const glm::dvec3 side : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0),
                                   glm::dvec3(0, -1, 0)}) {
@@ -89,7 +89,7 @@ View columnView(const Scene& scene, double halfWidthMetres) {
     }
     view.eye = scene.ecefFromAnchor.origin();
     view.forward = -scene.ecefFromAnchor(Vector<Enu>{{0, 0, 1}});
-    view.pixelMetres = 1e9; // the coarsest there is
+    view.pixelMetres = pixelMetres;
     return view;
 }
 
@@ -99,29 +99,47 @@ struct Sampled {
 };
 
 void sample(const TileContent& content, Sampled& out) {
+    // A building is what carries one id, over all its materials; without ids, what stands on one
+    // square of this size.
+    constexpr double kCellMetres = 32.0;
+    std::map<std::pair<std::int64_t, std::int64_t>, double> lowest;
     for (const Mesh& mesh : content.meshes) {
         const Vector<Ecef> up = ellipsoidNormal(mesh.origin);
-        std::map<std::uint32_t, double> lowest;
+        const Transform<Ecef, Enu> ecefFromLocal = ecefFromEnu(geodeticOf(mesh.origin));
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
             const Point<Ecef> p{mesh.origin.xyz + glm::dvec3(mesh.positions[i])};
+            const glm::dvec3 local = glm::transpose(ecefFromLocal.axes()) * glm::dvec3(mesh.positions[i]);
+            const auto cell = [&](double x) { return std::int64_t(std::floor(x / kCellMetres)); };
+            const std::pair<std::int64_t, std::int64_t> key =
+                mesh.features.empty() ? std::pair(cell(local.x), cell(local.y))
+                                      : std::pair(std::int64_t(mesh.features[i]), std::int64_t(0));
             const double height = geodeticOf(p).heightMetres;
-            const std::uint32_t id = mesh.features.empty() ? 0 : mesh.features[i];
-            const auto [at, fresh] = lowest.emplace(id, height);
+            const auto [at, fresh] = lowest.emplace(key, height);
             if (!fresh)
                 at->second = std::min(at->second, height);
         }
-        for (const auto& [id, height] : lowest)
-            out.lowest.push_back(height);
         for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
             const glm::dvec3 a(mesh.positions[mesh.indices[i]]);
             const glm::dvec3 b(mesh.positions[mesh.indices[i + 1]]);
             const glm::dvec3 c(mesh.positions[mesh.indices[i + 2]]);
             out.upwardArea += 0.5 * glm::dot(glm::cross(b - a, c - a), up.xyz);
         }
-        const glm::dmat3 axes = ecefFromEnu(geodeticOf(mesh.origin)).axes();
-        const glm::dmat3 half = glm::transpose(axes) * mesh.box.halfAxes;
+        const glm::dmat3 half = glm::transpose(ecefFromLocal.axes()) * mesh.box.halfAxes;
         const glm::dvec3 extent = glm::abs(half[0]) + glm::abs(half[1]) + glm::abs(half[2]);
         out.footprint += 4.0 * extent.x * extent.y;
+    }
+    for (const auto& [key, height] : lowest)
+        out.lowest.push_back(height);
+}
+
+void sampleColumn(Scene& scene, const View& column, Sampled& out) {
+    constexpr std::chrono::seconds kPatience(30);
+    for (Layer& layer : scene.layers) {
+        const Settled settled = settle(*layer.tileset, std::span(&column, 1), {1.0, false},
+                                       std::chrono::steady_clock::now() + kPatience);
+        for (const TileIndex tile : settled.selection.drawDepthFirst)
+            if (const auto content = layer.tileset->content(tile))
+                sample(*content, out);
     }
 }
 
@@ -144,18 +162,16 @@ TileContent makeGround(const Scene& scene, double heightMetres) {
 
 std::optional<double> findGroundHeight(Scene& scene) {
     Sampled sampled;
-    constexpr std::chrono::seconds kPatience(30);
-    // The column widens until something stands in it.
+    // The coarsest content there is will do; then the column widens until something stands in it.
+    double coarsest = 1.0;
+    for (const Layer& layer : scene.layers) {
+        const TileTree& tree = layer.tileset->tree();
+        coarsest = std::max(coarsest, tree.node(TileTree::root()).geometricErrorMetres);
+    }
     for (double half = 200.0; sampled.lowest.empty(); half *= 4.0) {
-        const View view = columnView(scene, half);
-        for (Layer& layer : scene.layers) {
-            const Settled settled = settle(*layer.tileset, std::span(&view, 1), {1.0, false},
-                                           std::chrono::steady_clock::now() + kPatience);
-            for (const TileIndex tile : settled.selection.drawDepthFirst)
-                if (const auto content = layer.tileset->content(tile))
-                    sample(*content, sampled);
-        }
-        if (half > 4.0 * scene.radiusMetres)
+        for (double pixel = 2.0 * coarsest; pixel > 0.1 && sampled.lowest.empty(); pixel /= 4.0)
+            sampleColumn(scene, columnView(scene, half, pixel), sampled);
+        if (half > 2.0 * scene.radiusMetres)
             break;
     }
     if (sampled.lowest.empty())

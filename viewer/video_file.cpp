@@ -39,7 +39,7 @@ std::vector<std::string> argumentsFor(const VideoFormat& format, const std::stri
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "pipe:0",
             // sRGB to BT.709, told in the file so that players do not guess
             "-vf",
-            "scale=in_range=full:out_range=tv:out_color_matrix=bt601:"
+            "scale=in_range=full:out_range=tv:out_color_matrix=bt709:"
             "flags=accurate_rnd+full_chroma_int,format=yuv420p",
             "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
             "-color_range", "tv",

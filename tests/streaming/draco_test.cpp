@@ -142,6 +142,9 @@ TEST(Draco, HeadersThatClaimMoreThanTheAccessorsAreRefusedUnread) {
     // Accessors that lie along with it meet the memory that is left.
     const std::uint64_t most = std::uint64_t(1) << 32;
     EXPECT_NE(reasonOf(bomb, {most, most}).find("memory"), std::string::npos);
+    std::string fewPoints = bomb;
+    fewPoints.replace(16, 5, std::string("\x64\0\0\0\0", 5));
+    EXPECT_NE(reasonOf(fewPoints, {100, 100}).find("and 100 points where"), std::string::npos);
     bomb[8] = 1; // edgebreaker
     EXPECT_NE(reasonOf(bomb, {100, 100}).find("claims"), std::string::npos);
 }

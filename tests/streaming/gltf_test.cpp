@@ -170,6 +170,13 @@ TEST(Gltf, AMirroringNodeKeepsFacesUp) {
     const auto content = decode(builder);
     ASSERT_TRUE(content);
     EXPECT_NEAR(content->facts.areaVector.z, 0.5, 1e-12);
+
+    primitiveOf(builder)["attributes"]["NORMAL"] =
+        builder.floats({0.6f, 0, 0.8f, 0.6f, 0, 0.8f, 0.6f, 0, 0.8f}, "VEC3");
+    const auto shaded = decode(builder);
+    ASSERT_TRUE(shaded);
+    const glm::dvec3 expected(-0.6, 0.0, 0.8);
+    EXPECT_GT(glm::dot(decodeOct(onlyMesh(shaded).normals[0]), expected), 1.0 - 1e-8);
 }
 
 TEST(Gltf, ShowsTheDefaultSceneElseTheFirst) {

@@ -1,30 +1,15 @@
 // The program itself, as the shell sees it: exit codes, and what it says where.
 #include "tests/viewer/files.h"
+#include "tests/viewer/program.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdlib>
-
-#include <sys/wait.h>
-
 using namespace gnomon;
+using test::Ran;
+using test::run;
 
 namespace {
-
-struct Ran {
-    int code = -1;
-    std::string out, err;
-};
-
-Ran run(const std::string& arguments) {
-    const test::Folder folder;
-    const std::string command = std::string("'") + GNOMON_PROGRAM + "' " + arguments + " >'" +
-                                folder / "out" + "' 2>'" + folder / "err" + "' </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::contentsOf(folder / "out"),
-            test::contentsOf(folder / "err")};
-}
 
 void expectOneError(const Ran& ran, int code) {
     EXPECT_EQ(ran.code, code) << ran.err;
