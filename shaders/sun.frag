@@ -27,7 +27,9 @@ const float GOLDEN_ANGLE = 2.39996323;
 // Two lit faces that meet in a hollow, as a wall and the ground before it, must not shade each other.
 // Across such an edge a face rises over the receiver's plane by (tan a + tan b) for each unit sideways,
 // a and b the angles between the sun and the two normals. A texel that stands no higher than that says
-// nothing: it may be the neighbouring face or a blocker that touches. tan b is taken as this (63°).
+// nothing: it may be the neighbouring face or a blocker that touches; tan b is taken as this (63°). Where
+// its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
+// below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
 
 struct Receiver {
@@ -61,15 +63,19 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec4 gap = depth - (r.depth + r.gradient.x * dx + r.gradient.y * dy) - r.tolerance;
     vec4 neighbour = r.toleranceSlope * sqrt(dx * dx + dy * dy);
     bvec4 before = greaterThan(gap, vec4(0.0));
-    bvec4 clear = greaterThan(gap, neighbour);
+    vec2 tilt = 0.5 * vec2(depth.y - depth.x + depth.z - depth.w, depth.x - depth.w + depth.y - depth.z) -
+                r.gradient;
+    bool planar = abs(depth.x - depth.y + depth.z - depth.w) < 4.0 * r.tolerance;
+    bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > 0.02 * cascadeOffset[r.cascade].w;
+    bvec4 clear = greaterThan(gap, above ? vec4(0.0) : neighbour);
     says = vec4(not(before)) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
 }
 
 vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
 
-// Of what was said; a receiver of which nothing is said is lit.
-float share(float litSum, float total) { return total > 0.0 ? litSum / total : 1.0; }
+// Of what was said. Where nothing is, a blocker touches: in a hollow the receiver's own face speaks.
+float share(float litSum, float total) { return total > 0.0 ? litSum / total : 0.0; }
 
 // A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
 float boxFilter(Receiver r, float width) {
@@ -161,10 +167,10 @@ float pcss(Receiver r) {
             for (int i = 0; i < 2; ++i)
                 look(r, floor(r.lattice - 1.5) + 2.0 * vec2(i, j), found);
     }
-    if (found.count == 0.0)
-        return 1.0;
     if (found.litCount == 0.0)
         return 0.0;
+    if (found.count == 0.0)
+        return 1.0;
     float radius = clamp(found.gapSum / found.count * toSun.w / texel, 1.0, search);
     return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
 }

@@ -9,12 +9,14 @@ namespace gnomon {
 
 namespace {
 
-// Which faces of a range of triangles are left out.
+// Which faces of a range of triangles are drawn.
 enum class Faces { All, BackOnly, FrontOnly };
 
 Faces facesOf(ShadowCull cull, bool closed) {
     switch (cull) {
     case ShadowCull::Auto:
+        return closed ? Faces::FrontOnly : Faces::All;
+    case ShadowCull::FrontOfClosed:
         return closed ? Faces::BackOnly : Faces::All;
     case ShadowCull::None:
         return Faces::All;

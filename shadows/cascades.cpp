@@ -96,11 +96,11 @@ void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound) {
                             cascade.farPlaneMetres + half);
     const Transform<Enu, Light> anchorFromLight = rigidInverse(bound.lightFromAnchor);
     const double lowest = anchorFromLight(Point<Light>{centre}).xyz.z - 2.0 * half;
-    double top = cascade.farPlaneMetres + 2.5 * half; // above every receiver itself
-    if (bound.sinElevation > 0.0) {
-        const double reach = std::max(bound.topMetres - lowest, 0.0) / bound.sinElevation;
-        top += reach;
-    }
+    // With the sun on the horizon or below it even a low caster may stand as far out as there are any.
+    double top = bound.lightMaxMetres;
+    if (bound.sinElevation > 0.0)
+        top = cascade.farPlaneMetres + 2.5 * half + // above every receiver itself
+              std::max(bound.topMetres - lowest, 0.0) / bound.sinElevation;
     top = std::max(std::min(top, bound.lightMaxMetres), cascade.farPlaneMetres + 2.5 * half);
     cascade.depthRangeMetres = ladderUp(top - cascade.farPlaneMetres, 2);
 }

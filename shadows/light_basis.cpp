@@ -6,11 +6,12 @@ namespace gnomon {
 
 glm::dmat3 lightAxes(const glm::dvec3& towardsSun) {
     const glm::dvec3 z = glm::normalize(towardsSun);
-    if (z.z <= -1.0 + 1e-12) // the nadir itself
-        return glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), z);
-    const double a = -1.0 / (1.0 + z.z);
-    const double b = z.x * z.y * a;
-    glm::dvec3 x = glm::normalize(glm::dvec3(1.0 + z.x * z.x * a, b, -z.x));
+    glm::dvec3 x(1.0, 0.0, 0.0); // in the nadir itself
+    if (z.z > -1.0 + 1e-12) {
+        const double a = -1.0 / (1.0 + z.z);
+        x = glm::dvec3(1.0 + z.x * z.x * a, z.x * z.y * a, -z.x);
+    }
+    x = glm::normalize(x - glm::dot(x, z) * z); // 1 + z loses its digits towards the nadir
     return glm::dmat3(x, glm::normalize(glm::cross(z, x)), z);
 }
 

@@ -59,6 +59,20 @@ Failure parseShadowFilter(const std::string& text, ShadowSettings& settings) {
     return {};
 }
 
+Result<ShadowBias> parseShadowBias(const std::string& text) {
+    if (text == "receiver-plane")
+        return ShadowBias::ReceiverPlane;
+    if (text == "frontface")
+        return ShadowBias::FrontFace;
+    return wrong(text, "receiver-plane, frontface");
+}
+
+ShadowCull cullOf(const ShadowSettings& settings) {
+    if (settings.cull == ShadowCull::Auto && settings.bias == ShadowBias::FrontFace)
+        return ShadowCull::FrontOfClosed;
+    return settings.cull;
+}
+
 Result<ShadowCull> parseShadowCull(const std::string& text) {
     if (text == "auto")
         return ShadowCull::Auto;
@@ -75,8 +89,7 @@ std::string describe(const ShadowSettings& s) {
     if (s.method == ShadowMethod::Off)
         return "off";
     std::string out = s.method == ShadowMethod::Single ? "single" : "csm";
-    static constexpr const char* culls[] = {"frontface", "cull-none", "cull-front", "cull-back"};
-    out += std::string("+") + culls[int(s.cull)];
+    out += s.bias == ShadowBias::FrontFace ? "+frontface" : "+receiver-plane";
     switch (s.filter) {
     case ShadowFilter::None:
         return out + "+none";

@@ -9,14 +9,21 @@
 namespace gnomon {
 
 enum class ShadowMethod { Off, Single, Cascades };
-enum class ShadowCull { Auto, None, Front, Back }; // Auto: front faces of closed components only
+// What keeps a surface from shading itself. ReceiverPlane: each texel is compared at its own centre with
+// the receiver's plane (shaders/sun.frag). FrontFace: the same, and of closed components the maps hold
+// the faces turned away from the sun.
+enum class ShadowBias { ReceiverPlane, FrontFace };
+// Which faces of casters are left out of the maps. Auto: back faces of closed components, which nothing
+// sees from the sun; nothing of open ones. FrontOfClosed is FrontFace's.
+enum class ShadowCull { Auto, None, Front, Back, FrontOfClosed };
 enum class ShadowFilter { None, Bilinear, Pcf, Pcss };
 
 inline constexpr int kMaxCascades = 5;
 
 struct ShadowSettings {
     ShadowMethod method = ShadowMethod::Cascades;
-    ShadowCull cull = ShadowCull::Auto;
+    ShadowBias bias = ShadowBias::ReceiverPlane;
+    ShadowCull cull = ShadowCull::Auto; // overrides what the bias asks for
     ShadowFilter filter = ShadowFilter::Pcss;
     int pcfWidth = 3;        // taps across, 1…9
     int blockerSamples = 16; // PCSS
@@ -33,7 +40,10 @@ struct ShadowSettings {
 // The command line's words: "csm", "off", "single"; "none", "bilinear", "pcf:5", "pcss:16,32".
 Result<ShadowMethod> parseShadowMethod(const std::string& text);
 Failure parseShadowFilter(const std::string& text, ShadowSettings& settings);
+Result<ShadowBias> parseShadowBias(const std::string& text); // "receiver-plane", "frontface"
 Result<ShadowCull> parseShadowCull(const std::string& text);
+// Of the bias, unless `cull` says otherwise.
+ShadowCull cullOf(const ShadowSettings& settings);
 std::string describe(const ShadowSettings& settings);
 
 } // namespace gnomon

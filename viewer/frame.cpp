@@ -175,7 +175,7 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.timer.start();
     std::vector<std::uint32_t> drawn;
     if (!cascades.cascades.empty())
-        drawn = s.cascadePass.draw(cascades, shadows.cull, items, s.timer);
+        drawn = s.cascadePass.draw(cascades, cullOf(shadows), items, s.timer);
 
     // 4. What the camera sees; 5. how much sun it gets; 6. the picture.
     facts.triangles = s.visibilityPass.draw(request.camera, items);

@@ -164,28 +164,10 @@ Failure parseGround(const std::string& text, PictureOptions& options) {
     return {};
 }
 
-Failure parseBias(const std::string& option, const std::string& text) {
-    static constexpr std::array kLater = {"constant", "slope",     "normal",     "receiver-plane",
-                                          "midpoint", "dual-peel", "dual-atomic"};
-    if (text == "frontface")
-        return {};
-    const std::string word = text.substr(0, text.find(':'));
-    if (std::find(kLater.begin(), kLater.end(), word) != kLater.end())
-        return usage(option, "the bias " + word + " is not there yet; there is: frontface");
-    return usage(option, "no bias \"" + text + "\"; there is: frontface");
-}
-
 namespace {
 
 Error named(const std::string& option, const Error& error) {
     return usage(option, error.subject.empty() ? error.reason : error.subject + " " + error.reason);
-}
-
-bool isBiasWord(const std::string& text) {
-    static constexpr std::array kWords = {"constant",  "slope",    "normal",    "receiver-plane",
-                                          "frontface", "midpoint", "dual-peel", "dual-atomic"};
-    const std::string word = text.substr(0, text.find(':'));
-    return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
 } // namespace
@@ -201,9 +183,11 @@ Failure parseShadows(const std::string& text, ShadowSettings& settings) {
         return named("--shadows", method.error());
     settings.method = *method;
     std::size_t next = 1;
-    if (next < parts.size() && isBiasWord(parts[next]))
-        if (Failure wrong = parseBias("--shadows", parts[next++]))
-            return wrong;
+    if (next < parts.size())
+        if (const Result<ShadowBias> bias = parseShadowBias(parts[next])) {
+            settings.bias = *bias;
+            ++next;
+        }
     if (next < parts.size())
         if (const Failure wrong = parseShadowFilter(parts[next++], settings))
             return named("--shadows", *wrong);

@@ -22,9 +22,8 @@ Failure parseCamera(const std::string& text, PictureOptions& options);
 Failure parseSize(const std::string& text, int& width, int& height); // WxH
 Failure parseSun(const std::string& text, PictureOptions& options);  // AZIMUTH,ELEVATION
 Failure parseGround(const std::string& text, PictureOptions& options);
-// "csm", or a whole technique: "csm+frontface+pcss:16,32".
+// "csm", or a whole technique: "csm+receiver-plane+pcss:16,32".
 Failure parseShadows(const std::string& text, ShadowSettings& settings);
-Failure parseBias(const std::string& option, const std::string& text);
 Failure parseHeights(const std::string& text, Heights& heights);
 Failure parseUp(const std::string& text, ModelUp& up);
 Result<Placement> parsePlace(const std::string& text);   // LON,LAT,H[,HEADING]

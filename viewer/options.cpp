@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdio>
 #include <functional>
 #include <memory>
 
@@ -144,17 +145,30 @@ void addCamera(Command& command, PictureOptions& picture) {
                    });
 }
 
+// " [0.85]"
+std::string byDefault(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, " [%g]", value);
+    return text;
+}
+
 void addShadows(Command& command, PictureOptions& picture) {
     ShadowSettings& shadows = picture.frame.shadows;
     // --shadows may name a whole technique; what is said besides wins, whatever the order. So the
     // library is told to call it first: options are handled in the order they are added.
     command.option("--shadows", "TECHNIQUE",
                    "off, csm or single; or a whole technique, shadows+bias+filter: "
-                   "csm+frontface+pcss:16,32 [csm]",
+                   "csm+receiver-plane+pcss:16,32 [csm]",
                    [&shadows](const std::string& text) { return parseShadows(text, shadows); });
-    command.option("--bias", "BIAS", "frontface [frontface]",
-                   [](const std::string& text) { return parseBias("--bias", text); });
-    command.option("--cull", "FACES", "none, front or back [by the mesh]",
+    command.option("--bias", "BIAS", "receiver-plane or frontface [receiver-plane]",
+                   [&shadows](const std::string& text) -> Failure {
+                       const Result<ShadowBias> bias = parseShadowBias(text);
+                       if (!bias)
+                           return named("--bias", bias.error());
+                       shadows.bias = *bias;
+                       return {};
+                   });
+    command.option("--cull", "FACES", "none, front or back [by bias and mesh]",
                    [&shadows](const std::string& text) -> Failure {
                        const Result<ShadowCull> cull = parseShadowCull(text);
                        if (!cull)
@@ -172,7 +186,8 @@ void addShadows(Command& command, PictureOptions& picture) {
                     [&shadows](std::int64_t n) { shadows.cascades = int(n); });
     command.integer("--map-size", "TEXELS", "across each shadow map, 512 to 8192 [2048]", 512, 8192,
                     [&shadows](std::int64_t n) { shadows.mapSize = int(n); });
-    command.number("--split-lambda", "L", "0 (even) to 1 (logarithmic) splits [0.7]", 0, 1,
+    command.number("--split-lambda", "L",
+                   "0 (even) to 1 (logarithmic) splits" + byDefault(shadows.splitLambda), 0, 1,
                    [&shadows](double lambda) { shadows.splitLambda = lambda; });
     command.number("--shadow-range", "M", "how far from the eye shadows reach [fitted]", 1e-3, 1e8,
                    [&shadows](double metres) { shadows.rangeMetres = metres; });

@@ -140,6 +140,9 @@ TEST(Options, DemoSizesAreNamedOrCounted) {
 
 struct Wrong {
     const char *option, *value;
+    friend std::ostream& operator<<(std::ostream& out, const Wrong& wrong) {
+        return out << wrong.option << " '" << wrong.value << "'";
+    }
 };
 
 class WrongValue : public testing::TestWithParam<Wrong> {};
