@@ -12,15 +12,16 @@ namespace gnomon::render {
 
 namespace {
 
-shader::ViewBlock blockFor(const Camera& camera) {
-    const glm::dmat4 eyeFromRelative(eyeFromEcefRotation(camera));
+shader::ViewBlock blockFor(const Camera& camera, const glm::dmat3& axes) {
+    const glm::dmat4 eyeFromRelative(eyeFromEcefRotation(camera) * axes);
     const double w = camera.tanHalfWidth(), h = camera.tanHalfHeight();
     shader::ViewBlock block;
     block.clipFromRelative =
         glm::mat4(reversedInfiniteProjection(camera, kNearPlaneMetres) * eyeFromRelative);
-    block.rayRight = glm::vec4(glm::vec3(camera.right.xyz * w), 0.0f);
-    block.rayUp = glm::vec4(glm::vec3(camera.up.xyz * h), 0.0f);
-    block.rayForward = glm::vec4(glm::vec3(camera.forward.xyz), float(kNearPlaneMetres));
+    const glm::dmat3 stored = glm::transpose(axes);
+    block.rayRight = glm::vec4(glm::vec3(stored * camera.right.xyz * w), 0.0f);
+    block.rayUp = glm::vec4(glm::vec3(stored * camera.up.xyz * h), 0.0f);
+    block.rayForward = glm::vec4(glm::vec3(stored * camera.forward.xyz), float(kNearPlaneMetres));
     return block;
 }
 
@@ -58,9 +59,11 @@ void VisibilityPass::resize(int width, int height) {
     glNamedFramebufferDrawBuffers(id, 3, buffers);
 }
 
-std::uint64_t VisibilityPass::draw(const Camera& camera, std::span<const DrawItem> items) {
+std::uint64_t VisibilityPass::draw(const Camera& camera, std::span<const DrawItem> items,
+                                   const glm::dmat3& axes) {
+    const glm::dmat3 storedFromEcef = glm::transpose(axes);
     resize(camera.widthPixels, camera.heightPixels);
-    update(viewBlock_, blockFor(camera));
+    update(viewBlock_, blockFor(camera, axes));
     bindUniformBlock(BLOCK_VIEW, viewBlock_);
 
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
@@ -96,7 +99,7 @@ std::uint64_t VisibilityPass::draw(const Camera& camera, std::span<const DrawIte
             boundMaterial = &material;
             setMaterial(*item.tile, material);
         }
-        const glm::vec3 offset = relativeTo(camera.position, item.mesh->origin);
+        const glm::vec3 offset(storedFromEcef * (item.mesh->origin - camera.position).xyz);
         glUniform3f(0, offset.x, offset.y, offset.z);
         glUniform1ui(3, item.mesh->firstIndex / 3);
         glUniform1ui(4, item.tileId);

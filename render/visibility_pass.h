@@ -17,8 +17,10 @@ inline constexpr double kNearPlaneMetres = 0.1;
 class VisibilityPass {
   public:
     VisibilityPass();
-    // Draws the items that the camera sees; returns how many triangles that were.
-    std::uint64_t draw(const Camera& camera, std::span<const DrawItem> items);
+    // Draws the items that the camera sees; returns how many triangles that were. `axes`: those the
+    // items' meshes are stored along (columns, in ECEF); the normals come out along them too.
+    std::uint64_t draw(const Camera& camera, std::span<const DrawItem> items,
+                       const glm::dmat3& axes);
 
     int width() const { return width_; }
     int height() const { return height_; }

@@ -37,7 +37,7 @@ using mat4 = glm::mat4;
 
 #define MAX_CASCADES 5
 
-// How a pixel's surface is found again: camera-relative positions with ECEF axes.
+// How a pixel's surface is found again: camera-relative positions along the meshes' axes.
 GNOMON_BLOCK(ViewBlock, BLOCK_VIEW) {
     mat4 clipFromRelative; // reversed-Z, infinite far; the camera is the origin
     vec4 rayRight;         // ray = forward + ndc.x * right + ndc.y * up; view depth 1
@@ -48,14 +48,14 @@ GNOMON_BLOCK(ViewBlock, BLOCK_VIEW) {
 // Everything the sun-visibility pass knows about the cascades. Lattice coordinates are texels from
 // the window's corner; see shadows/cascades.h.
 GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
-    vec4 toSun;                          // ECEF axes; w: tan of the sun's angular radius
+    vec4 toSun;                          // the meshes' axes; w: tan of the sun's angular radius
     vec4 selection;                      // view depth = dot(xyz, p) + w, of the camera that cascades fit
     vec4 eye;                            // xyz: that camera, relative to the surface's camera
     vec4 fade;                           // x: range metres, y: fade metres, z: cascades, w: texels N
     vec4 filter_;                        // x: kind, y: pcf width, z: blocker samples, w: filter samples
     vec4 reach;                          // metres to the highest caster along a sun ray:
                                          // dot(xyz, p) + w
-    vec4 axisX;                          // light axes in ECEF (unit)
+    vec4 axisX;                          // light axes along the meshes' (unit)
     vec4 axisY;
     vec4 axisZ;
     vec4 cascadeOffset[MAX_CASCADES];    // xyz: lattice x, y (texels) and depth (metres above far) of
@@ -66,8 +66,8 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
 
 // Light and look of the composite; all linear, exposure applied.
 GNOMON_BLOCK(LookBlock, BLOCK_LOOK) {
-    vec4 sunDirection; // ECEF axes; w: cosine of the disc's radius
-    vec4 localUp;      // ECEF axes; w: camera height above the ellipsoid
+    vec4 sunDirection; // the meshes' axes; w: cosine of the disc's radius
+    vec4 localUp;      // the meshes' axes; w: camera height above the ellipsoid
     vec4 sunRadiance;
     vec4 skyZenith;
     vec4 skyHorizon;

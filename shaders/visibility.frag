@@ -16,7 +16,7 @@ in vec4 fragColor;
 in vec3 fragPosition;
 
 layout(location = 0) out vec4 outAlbedo;  // sRGB-encoded; a: 1 unlit, 0 lit
-layout(location = 1) out vec4 outNormals; // oct in 0…1: geometric, shading; ECEF axes
+layout(location = 1) out vec4 outNormals; // oct in 0…1: geometric, shading; the meshes' axes
 layout(location = 2) out uint outTile;
 
 void main() {

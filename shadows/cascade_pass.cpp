@@ -62,9 +62,9 @@ void setUniform(int location, const glm::dvec3& v) {
     glUniform3f(location, float(v.x), float(v.y), float(v.z));
 }
 
-// The light's axes in ECEF, scaled to texels and to stored depth.
+// The light's axes along the meshes' own, scaled to texels and to stored depth.
 void setRows(const CascadeSet& set, const Cascade& cascade) {
-    const glm::dmat3 rows = glm::transpose(set.lightFromEcef.axes());
+    const glm::dmat3 rows = glm::transpose(set.lightFromEcef.axes() * set.meshAxes);
     setUniform(0, rows[0] / cascade.texelMetres);
     setUniform(1, rows[1] / cascade.texelMetres);
     setUniform(2, rows[2] / cascade.depthRangeMetres);

@@ -68,6 +68,7 @@ double ladderDown(double value, int stepsPerOctave) {
 CascadeSet fitCascades(const CascadeInput& input, const ShadowSettings& settings) {
     CascadeSet set;
     set.lightFromEcef = input.lightFromEcef;
+    set.meshAxes = input.meshAxes;
     set.mapSize = settings.mapSize;
     set.rangeMetres = input.rangeMetres;
     set.fadeMetres = input.fadeMetres;

@@ -50,6 +50,7 @@ struct CascadePage {
 
 struct CascadeSet {
     Transform<Light, Ecef> lightFromEcef;
+    glm::dmat3 meshAxes{1.0}; // those the casters' meshes are stored along (columns, in ECEF)
     int mapSize = 0;
     std::vector<Cascade> cascades;
     double rangeMetres = 0.0; // distance from the eye at which shadows have faded
@@ -63,6 +64,7 @@ inline constexpr double kMinTexelMetres = 1e-3;
 struct CascadeInput {
     Camera camera;
     Transform<Light, Ecef> lightFromEcef;
+    glm::dmat3 meshAxes{1.0};
     double nearMetres = 1.0; // of the receivers in view
     double farMetres = 1000.0;
     double rangeMetres = 1000.0;

@@ -54,16 +54,17 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     const double tanSun = std::tan(0.5 * settings.lightDiameterDegrees * kRadiansPerDegree);
     const Camera& fitted = input.cascadeCamera;
     const Vector<Ecef> shift = input.surfaceCamera.position - fitted.position;
-    block.toSun = withW(input.towardsSun.xyz, tanSun);
-    block.selection = withW(fitted.forward.xyz, dot(fitted.forward, shift));
-    block.eye = withW(-shift.xyz, 0.0);
+    const glm::dmat3 stored = glm::transpose(input.meshAxes);
+    block.toSun = withW(stored * input.towardsSun.xyz, tanSun);
+    block.selection = withW(stored * fitted.forward.xyz, dot(fitted.forward, shift));
+    block.eye = withW(stored * -shift.xyz, 0.0);
     block.filter_ = filterBlock(settings);
     if (input.cascades == nullptr)
         return block;
     const CascadeSet& set = *input.cascades;
     block.fade = glm::vec4(float(set.rangeMetres), float(set.fadeMetres),
                            float(set.cascades.size()), float(set.mapSize));
-    const glm::dmat3 rows = glm::transpose(set.lightFromEcef.axes());
+    const glm::dmat3 rows = glm::transpose(set.lightFromEcef.axes() * input.meshAxes);
     block.axisX = withW(rows[0], 0.0);
     block.axisY = withW(rows[1], 0.0);
     block.axisZ = withW(rows[2], 0.0);
@@ -77,7 +78,7 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     const glm::dvec3 up = rigidInverse(set.lightFromEcef)(
         input.casters.lightFromAnchor(Vector<Enu>{{0, 0, 1}})).xyz;
     const double perMetre = 1.0 / std::max(input.casters.sinElevation, 1e-4);
-    block.reach = withW(-up * perMetre, (input.casters.topMetres - cameraHeight) * perMetre);
+    block.reach = withW(stored * -up * perMetre, (input.casters.topMetres - cameraHeight) * perMetre);
     return block;
 }
 

@@ -22,6 +22,7 @@ struct SunPassInput {
     const CascadeSet* cascades = nullptr; // null: only surfaces turned away are dark
     const CascadePass* maps = nullptr;
     CasterBound casters;
+    glm::dmat3 meshAxes{1.0}; // as `seen` was drawn with
 };
 
 class SunPass {

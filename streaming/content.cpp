@@ -170,7 +170,7 @@ TileContent decode(Span bytes, const DecodeOptions& options) {
     ByteBudget budget(budgetFor(bytes.size(), options.maxBytes));
     GltfContent read = readGltf(gltf, options, b3dm.rtcCenter, budget);
     const CleanSoup cleaned = clean(read.soup, options.ecefFromTile);
-    content.meshes = split(read.soup, cleaned, options.ecefFromTile);
+    content.meshes = split(read.soup, cleaned, options.ecefFromTile, options.meshAxes);
     content.materials = std::move(read.materials);
     content.images = std::move(read.images);
 

@@ -16,6 +16,7 @@ LoadResult loadContent(const Source& source, const LoadJob& job, const Bytes& by
     DecodeOptions options;
     options.ecefFromTile = job.inherited.ecefFromTile;
     options.gltfUpAxis = job.inherited.gltfUpAxis;
+    options.meshAxes = job.meshAxes;
     options.readUri = [&](const std::string& uri) -> Result<Bytes> {
         Result<std::string> path = resolveUri(job.path, uri);
         return path ? source.read(*path) : Result<Bytes>(path.error());

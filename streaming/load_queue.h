@@ -26,6 +26,7 @@ struct LoadJob {
     Inherited inherited;
     Subdivision subdivision = Subdivision::Quadtree;
     unsigned subtreeLevels = 1;
+    std::optional<glm::dmat3> meshAxes;
 };
 
 struct LoadResult {

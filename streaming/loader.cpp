@@ -58,6 +58,7 @@ struct StreamedTileset::State {
     };
 
     std::string path;
+    std::optional<glm::dmat3> meshAxes;
     LoaderOptions options;
     TileTree tree;
     std::unordered_map<TileIndex, Kept> kept;
@@ -90,7 +91,7 @@ struct StreamedTileset::State {
 
     LoadJob jobFor(TileIndex tile) const {
         const TileNode& node = tree.node(tile);
-        LoadJob job{tile, node.content, node.path, tree.inheritedBy(tile), {}, 1};
+        LoadJob job{tile, node.content, node.path, tree.inheritedBy(tile), {}, 1, meshAxes};
         if (node.content == ContentKind::Subtree) {
             job.subdivision = tree.subdivision(tile);
             job.subtreeLevels = tree.subtreeLevels(tile);
@@ -237,7 +238,7 @@ Result<std::unique_ptr<StreamedTileset>>
 StreamedTileset::open(std::shared_ptr<const Source> source, const std::string& path,
                       const Transform<Ecef, Tile>& placement, const LoaderOptions& options) {
     // As an unknown content below nothing: its own bytes say what it is.
-    LoadJob job{TileTree::root(), ContentKind::Unknown, path, {}, {}, 1};
+    LoadJob job{TileTree::root(), ContentKind::Unknown, path, {}, {}, 1, {}};
     job.inherited.ecefFromTile = placement;
     const std::string lower = path.substr(path.size() - std::min<std::size_t>(5, path.size()));
     if (lower == ".json" || lower == ".JSON")
@@ -269,6 +270,11 @@ std::size_t StreamedTileset::poll() {
 }
 bool StreamedTileset::idle() const {
     return state_->idle();
+}
+void StreamedTileset::setMeshAxes(const glm::dmat3& axes) {
+    state_->meshAxes = axes;
+    while (!state_->kept.empty())
+        state_->drop(state_->kept.begin()->first);
 }
 void StreamedTileset::release(TileIndex tile) {
     state_->drop(tile);

@@ -40,6 +40,9 @@ class StreamedTileset {
     const TileTree& tree() const;
     const std::string& path() const;
 
+    // The axes meshes are stored along from now on (DecodeOptions::meshAxes); drops what is there.
+    void setMeshAxes(const glm::dmat3& axes);
+
     // Asks for these, most urgent first, and cancels what is queued but not among them. Of very
     // many only the first thousands are queued: ask again when they are done.
     void request(std::span<const LoadRequest> wanted);

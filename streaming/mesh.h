@@ -3,8 +3,8 @@
 // A tile's triangles are cut into meshes of one material and about kMaxMeshExtentMetres across
 // (more where triangles are large or few), each with an ECEF origin of its own in double and float
 // positions relative to it, so that no float ever holds a large coordinate (NUMERICS: r <= 838 d)
-// and whole meshes can be culled, also per cascade. Axes are ECEF's: transforms, up-axis and node
-// matrices are already applied.
+// and whole meshes can be culled, also per cascade. Transforms, up-axis and node matrices are
+// already applied; positions and normals are along the axes of DecodeOptions::meshAxes.
 #pragma once
 
 #include "geo/bounds.h"

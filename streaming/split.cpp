@@ -57,11 +57,14 @@ struct Key {
 
 class Splitter {
   public:
-    Splitter(const Soup& soup, const CleanSoup& clean, const Transform<Ecef, Tile>& ecefFromTile)
-        : soup_(soup), clean_(clean), axes_(cuttingAxes(clean.origin, ecefFromTile)) {
+    Splitter(const Soup& soup, const CleanSoup& clean, const Transform<Ecef, Tile>& ecefFromTile,
+             const std::optional<glm::dmat3>& meshAxes)
+        : soup_(soup), clean_(clean),
+          axes_(meshAxes ? *meshAxes : cuttingAxes(clean.origin, ecefFromTile)),
+          storedFromEcef_(meshAxes ? glm::transpose(*meshAxes) : glm::dmat3(1.0)) {
         const glm::dmat3 m = ecefFromTile.axes();
         const double sign = glm::determinant(m) < 0.0 ? -1.0 : 1.0;
-        normalAxes_ = sign * glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
+        normalAxes_ = sign * storedFromEcef_ * glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
                                         glm::cross(m[0], m[1]));
     }
 
@@ -132,7 +135,7 @@ class Splitter {
         }
     }
 
-    Mesh build(std::span<const Key> keys) const;
+    Mesh build(std::span<const Key> keys);
     void addCorner(Mesh& mesh, const Soup::Triangle& t, int corner, bool closed,
                    const glm::dvec3& faceNormal, OctNormal faceOct, std::uint32_t attributes,
                    std::vector<std::uint32_t>& table) const;
@@ -140,7 +143,9 @@ class Splitter {
     const Soup& soup_;
     const CleanSoup& clean_;
     glm::dmat3 axes_;       // columns: the cutting axes in ECEF
-    glm::dmat3 normalAxes_; // turns the tile's normals into ECEF's, but for their length
+    glm::dmat3 storedFromEcef_;
+    glm::dvec3 centre_{0.0}; // of the mesh being built, from the content's origin, stored axes
+    glm::dmat3 normalAxes_;  // turns the tile's normals into the stored axes, but for their length
 };
 
 // The vertices of a mesh under construction, found again by value: an open-addressing table of
@@ -212,8 +217,8 @@ void Splitter::addCorner(Mesh& mesh, const Soup::Triangle& t, int corner, bool c
         const bool inward = closed && glm::dot(stored, faceNormal) < 0.0;
         normal = encodeOct((inward ? -stored : stored) / length);
     }
-    const Point<Ecef> at{clean_.origin.xyz + clean_.local[v]};
-    mesh.positions.push_back(relativeTo(mesh.origin, at));
+    // From the mesh's centre, both near: the Earth's radius never enters.
+    mesh.positions.push_back(glm::vec3(storedFromEcef_ * clean_.local[v] - centre_));
     mesh.normals.push_back(normal);
     if (attributes & Soup::Uvs) {
         mesh.uvs.push_back(soup_.uvs[v]);
@@ -227,7 +232,7 @@ void Splitter::addCorner(Mesh& mesh, const Soup::Triangle& t, int corner, bool c
     mesh.indices.push_back(settleLast(mesh, table));
 }
 
-Mesh Splitter::build(std::span<const Key> keys) const {
+Mesh Splitter::build(std::span<const Key> keys) {
     Mesh mesh;
     mesh.material = int(keys.front().material);
     Box box;
@@ -249,6 +254,7 @@ Mesh Splitter::build(std::span<const Key> keys) const {
         }
     }
     mesh.origin = Point<Ecef>{clean_.origin.xyz + axes_ * box.centre()};
+    centre_ = storedFromEcef_ * (axes_ * box.centre());
 
     std::vector<std::uint32_t> table(std::bit_ceil(order.size() * 6 + 16), 0xffffffffu);
     mesh.indices.reserve(order.size() * 3);
@@ -256,8 +262,8 @@ Mesh Splitter::build(std::span<const Key> keys) const {
     for (const std::uint32_t i : order) {
         const Soup::Triangle& t = clean_.triangles[i];
         const glm::dvec3& a = clean_.local[t.vertex[0]];
-        const glm::dvec3 face = glm::normalize(
-            glm::cross(clean_.local[t.vertex[1]] - a, clean_.local[t.vertex[2]] - a));
+        const glm::dvec3 face = storedFromEcef_ * glm::normalize(glm::cross(
+            clean_.local[t.vertex[1]] - a, clean_.local[t.vertex[2]] - a));
         const OctNormal oct = encodeOct(face);
         mesh.faceNormals.push_back(oct);
         for (int corner = 0; corner < 3; ++corner) {
@@ -268,7 +274,7 @@ Mesh Splitter::build(std::span<const Key> keys) const {
     Box tight; // of the floats, not of what they were rounded from
     double farthest = 0.0;
     for (const glm::vec3& p : mesh.positions) {
-        tight.add(glm::transpose(axes_) * glm::dvec3(p));
+        tight.add(glm::transpose(storedFromEcef_ * axes_) * glm::dvec3(p));
         farthest = std::max(farthest, glm::dot(glm::dvec3(p), glm::dvec3(p)));
     }
     const glm::dvec3 half = tight.half();
@@ -286,9 +292,10 @@ Mesh Splitter::build(std::span<const Key> keys) const {
 } // namespace
 
 std::vector<Mesh> split(const Soup& soup, const CleanSoup& clean,
-                        const Transform<Ecef, Tile>& ecefFromTile) {
+                        const Transform<Ecef, Tile>& ecefFromTile,
+                        const std::optional<glm::dmat3>& meshAxes) {
     return clean.triangles.empty() ? std::vector<Mesh>{}
-                                   : Splitter(soup, clean, ecefFromTile).run();
+                                   : Splitter(soup, clean, ecefFromTile, meshAxes).run();
 }
 
 } // namespace gnomon

@@ -4,9 +4,12 @@
 
 #include "streaming/clean.h"
 
+#include <optional>
+
 namespace gnomon {
 
 std::vector<Mesh> split(const Soup& soup, const CleanSoup& clean,
-                        const Transform<Ecef, Tile>& ecefFromTile);
+                        const Transform<Ecef, Tile>& ecefFromTile,
+                        const std::optional<glm::dmat3>& meshAxes = {});
 
 } // namespace gnomon

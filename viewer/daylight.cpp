@@ -45,7 +45,9 @@ double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres) {
     return smoothstep(-0.5 * kSunDiameterDegrees, 0.5 * kSunDiameterDegrees, elevationDegrees + dip);
 }
 
-shader::LookBlock daylight(const SunPosition& sun, const Camera& camera) {
+shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
+                           const glm::dmat3& meshAxes) {
+    const glm::dmat3 stored = glm::transpose(meshAxes);
     const double e = sun.elevationDegrees;
     const double height = geodeticOf(camera.position).heightMetres;
     const glm::dvec3 through = glm::exp(-kOpticalDepth * airMass(e));
@@ -56,8 +58,8 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera) {
     const glm::dvec3 warm = glm::mix(glm::dvec3(1.0), glm::pow(through, glm::dvec3(0.12)), low);
 
     shader::LookBlock look{};
-    look.sunDirection = rgb(sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
-    look.localUp = rgb(ellipsoidNormal(camera.position).xyz, height);
+    look.sunDirection = rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
+    look.localUp = rgb(stored * ellipsoidNormal(camera.position).xyz, height);
     look.sunRadiance = rgb(3.0 * share * through);
     look.skyZenith = rgb(sky * glm::dvec3(0.16, 0.30, 0.62));
     look.skyHorizon = rgb(sky * glm::dvec3(0.62, 0.74, 0.88) * warm);

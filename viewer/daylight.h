@@ -8,7 +8,8 @@
 
 namespace gnomon {
 
-shader::LookBlock daylight(const SunPosition& sun, const Camera& camera);
+// Directions come along `meshAxes` (columns, in ECEF), as the visibility pass has its normals.
+shader::LookBlock daylight(const SunPosition& sun, const Camera& camera, const glm::dmat3& meshAxes);
 
 // Share of the sun's disc above the horizon of an eye at this height, 0…1.
 double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres);

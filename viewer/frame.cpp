@@ -57,6 +57,7 @@ struct FrameRenderer::State {
     std::vector<render::DrawItem> drawItems(const FrameRequest& request,
                                             const std::vector<Selection>& selections);
     void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
+    glm::dmat3 meshAxes() const { return scene.ecefFromAnchor.axes(); }
     Transform<Light, Ecef> light(const FrameRequest& request) const {
         return lightFromEcef(scene.ecefFromAnchor, request.sun.towards);
     }
@@ -153,8 +154,8 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     if (shadows.method != ShadowMethod::Off) {
         const ShadowReach reach =
             shadowReach(s.scene, request.camera, request.sun, items, shadows, views.front());
-        const CascadeInput input{request.camera,     s.light(request),  reach.nearMetres,
-                                 reach.farMetres,    reach.rangeMetres, reach.fadeMetres};
+        const CascadeInput input{request.camera,   s.light(request),  s.meshAxes(),  reach.nearMetres,
+                                 reach.farMetres, reach.rangeMetres, reach.fadeMetres};
         cascades = fitCascades(input, shadows);
         for (const Cascade& cascade : cascades.cascades)
             views.push_back(casterView(cascades, cascade));
@@ -178,10 +179,10 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
         drawn = s.cascadePass.draw(cascades, cullOf(shadows), items, s.timer);
 
     // 4. What the camera sees; 5. how much sun it gets; 6. the picture.
-    facts.triangles = s.visibilityPass.draw(request.camera, items);
+    facts.triangles = s.visibilityPass.draw(request.camera, items, s.meshAxes());
     s.timer.mark();
     SunPassInput sunInput{request.camera, request.camera, request.sun.towards, nullptr, nullptr,
-                          casters};
+                          casters, s.meshAxes()};
     if (!cascades.cascades.empty()) {
         sunInput.cascades = &cascades;
         sunInput.maps = &s.cascadePass;
@@ -189,7 +190,7 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.sunPass.draw(s.visibilityPass, sunInput, shadows);
     s.timer.mark();
     s.compositePass.draw(s.visibilityPass, s.sunPass.visibility(),
-                         daylight(request.sun, request.camera));
+                         daylight(request.sun, request.camera, s.meshAxes()));
     s.timer.mark();
     glFinish();
 
@@ -275,14 +276,14 @@ FloatPicture FrameRenderer::aov(Aov which) {
         out.channels = 3;
         const auto oct = render::readTopDown<std::uint16_t>(s.visibilityPass.normals(), w, h, 4,
                                                             GL_RGBA, GL_UNSIGNED_SHORT);
-        const glm::dmat3 enuFromEcef =
-            glm::transpose(ecefFromEnu(geodeticOf(s.camera.position)).axes());
+        const glm::dmat3 enuFromStored =
+            glm::transpose(ecefFromEnu(geodeticOf(s.camera.position)).axes()) * s.meshAxes();
         for (std::size_t i = 0; i < depth.size(); ++i) {
             const auto signedOf = [&](std::size_t c) {
                 return std::int16_t(std::lround((oct[4 * i + c] / 65535.0 * 2.0 - 1.0) * 32767.0));
             };
             const glm::dvec3 n = isSky(i) ? glm::dvec3(0.0)
-                                          : enuFromEcef * decodeOct({signedOf(0), signedOf(1)});
+                                          : enuFromStored * decodeOct({signedOf(0), signedOf(1)});
             out.values.insert(out.values.end(), {float(n.x), float(n.y), float(n.z)});
         }
         break;

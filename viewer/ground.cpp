@@ -53,11 +53,12 @@ Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<doub
         for (int s = sector0; s <= sector1; ++s)
             points.push_back(groundPoint(scene, heightMetres, radii[std::size_t(r)], s));
     Mesh mesh;
+    const glm::dmat3 stored = glm::transpose(scene.ecefFromAnchor.axes());
     mesh.box = boxAround(points, ecefFromEnu(geodeticOf(points[points.size() / 2])).axes());
     mesh.origin = mesh.box.centre;
     for (const Point<Ecef>& p : points) {
-        mesh.positions.push_back(relativeTo(mesh.origin, p));
-        mesh.normals.push_back(encodeOct(ellipsoidNormal(p).xyz));
+        mesh.positions.push_back(glm::vec3(stored * (p - mesh.origin).xyz));
+        mesh.normals.push_back(encodeOct(stored * ellipsoidNormal(p).xyz));
         mesh.radiusMetres = std::max(mesh.radiusMetres, length(p - mesh.origin));
     }
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -66,7 +67,7 @@ Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<doub
         if (area == 0.0) // the innermost ring's points coincide
             return;
         mesh.indices.insert(mesh.indices.end(), {a, b, c});
-        mesh.faceNormals.push_back(encodeOct(n / area));
+        mesh.faceNormals.push_back(encodeOct(stored * n / area));
     };
     const std::uint32_t columns = std::uint32_t(sector1 - sector0 + 1);
     for (std::uint32_t r = 0; r + 1 <= std::uint32_t(ring1 - ring0); ++r)
@@ -98,7 +99,7 @@ struct Sampled {
     double upwardArea = 0.0, footprint = 0.0;
 };
 
-void sample(const TileContent& content, Sampled& out) {
+void sample(const TileContent& content, const glm::dmat3& meshAxes, Sampled& out) {
     // A building is what carries one id, over all its materials; without ids, what stands on one
     // square of this size.
     constexpr double kCellMetres = 32.0;
@@ -107,8 +108,9 @@ void sample(const TileContent& content, Sampled& out) {
         const Vector<Ecef> up = ellipsoidNormal(mesh.origin);
         const Transform<Ecef, Enu> ecefFromLocal = ecefFromEnu(geodeticOf(mesh.origin));
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-            const Point<Ecef> p{mesh.origin.xyz + glm::dvec3(mesh.positions[i])};
-            const glm::dvec3 local = glm::transpose(ecefFromLocal.axes()) * glm::dvec3(mesh.positions[i]);
+            const glm::dvec3 fromOrigin = meshAxes * glm::dvec3(mesh.positions[i]);
+            const Point<Ecef> p{mesh.origin.xyz + fromOrigin};
+            const glm::dvec3 local = glm::transpose(ecefFromLocal.axes()) * fromOrigin;
             const auto cell = [&](double x) { return std::int64_t(std::floor(x / kCellMetres)); };
             const std::pair<std::int64_t, std::int64_t> key =
                 mesh.features.empty() ? std::pair(cell(local.x), cell(local.y))
@@ -122,7 +124,7 @@ void sample(const TileContent& content, Sampled& out) {
             const glm::dvec3 a(mesh.positions[mesh.indices[i]]);
             const glm::dvec3 b(mesh.positions[mesh.indices[i + 1]]);
             const glm::dvec3 c(mesh.positions[mesh.indices[i + 2]]);
-            out.upwardArea += 0.5 * glm::dot(glm::cross(b - a, c - a), up.xyz);
+            out.upwardArea += 0.5 * glm::dot(meshAxes * glm::cross(b - a, c - a), up.xyz);
         }
         const glm::dmat3 half = glm::transpose(ecefFromLocal.axes()) * mesh.box.halfAxes;
         const glm::dvec3 extent = glm::abs(half[0]) + glm::abs(half[1]) + glm::abs(half[2]);
@@ -139,7 +141,7 @@ void sampleColumn(Scene& scene, const View& column, Sampled& out) {
                                        std::chrono::steady_clock::now() + kPatience);
         for (const TileIndex tile : settled.selection.drawDepthFirst)
             if (const auto content = layer.tileset->content(tile))
-                sample(*content, out);
+                sample(*content, scene.ecefFromAnchor.axes(), out);
     }
 }
 

@@ -11,6 +11,7 @@ namespace gnomon {
 // The ellipsoid raised by `heightMetres`, as rings about the anchor whose width grows with distance,
 // round the whole Earth. A facet lies below the true surface by at most 0.4 % of its own width: 2 mm
 // at 2 km. Closed: its faces look outward.
+// Its meshes are stored along the anchor's axes.
 TileContent makeGround(const Scene& scene, double heightMetres);
 
 // The height on which the inputs' buildings stand: the median over them of their lowest points, in the

@@ -228,6 +228,8 @@ void setAnchor(Scene& scene, const std::vector<OpenedLayer>& opened) {
         scene.heightMetres = std::max(range.top - scene.anchor.heightMetres, 0.0);
     scene.ecefFromAnchor = ecefFromEnu(scene.anchor);
     for (const OpenedLayer& layer : opened)
+        layer.layer.tileset->setMeshAxes(scene.ecefFromAnchor.axes());
+    for (const OpenedLayer& layer : opened)
         scene.radiusMetres =
             std::max(scene.radiusMetres,
                      reachFrom(scene, layer.layer.tileset->tree().node(TileTree::root()).volume));

@@ -1,0 +1,166 @@
+// Plain surfaces stay plain: no acne where nothing shades, no light where all is shaded, no seam
+// between cascades.
+#include "tests/frame/small_scene.h"
+
+#include <gtest/gtest.h>
+
+using namespace gnomon;
+using namespace gnomon::test;
+
+namespace {
+
+constexpr double kElevations[] = {1, 2, 3, 5, 10, 20, 30, 45, 60, 75, 85, 90};
+
+struct Acne {
+    std::size_t pixels = 0, wrong = 0;
+    double worst = 1.0;
+    void operator+=(const Acne& o) {
+        pixels += o.pixels, wrong += o.wrong, worst = std::min(worst, o.worst);
+    }
+};
+
+// Over the pixels that `lit` takes and that face the sun: those whose visibility is not 1.
+template <class Lit>
+Acne acneOf(const Shot& shot, const Lit& lit) {
+    Acne out;
+    for (std::size_t i = 0; i < shot.visibility.size(); ++i)
+        if (!shot.sky(i) && shot.facing(i) > 2.0 * kTanSun + 1e-4 && lit(shot.position[i])) {
+            ++out.pixels;
+            out.wrong += shot.visibility[i] != 1.0f;
+            out.worst = std::min(out.worst, double(shot.visibility[i]));
+        }
+    return out;
+}
+
+} // namespace
+
+TEST(Planes, ShowNoAcneOnOpenGround) {
+    Shapes shapes;
+    shapes.box({-0.5, -0.5, 0}, {0.5, 0.5, 1});
+    SmallScene scene(shapes);
+    Acne all;
+    for (const double elevation : kElevations)
+        for (const double azimuth : {10.0, 200.0})
+            for (const Look& look :
+                 {Look{{0, -150, 60}, {0, 100, 0}}, Look{{3, -30, 1.7}, {0, 40, 0}}}) {
+                const Shot shot = scene.draw(look, azimuth, elevation);
+                // The little box's shadow is no longer than 60 m.
+                const Acne acne = acneOf(
+                    shot, [](const glm::dvec3& p) { return glm::length(glm::dvec2(p)) > 70.0; });
+                EXPECT_EQ(acne.wrong, 0u) << elevation << " " << azimuth << " worst " << acne.worst;
+                all += acne;
+            }
+    EXPECT_GT(all.pixels, 200000u);
+    std::printf("[ measured ] %zu of %zu pixels\n", all.wrong, all.pixels);
+}
+
+TEST(Planes, ShowNoAcneOnRoofs) {
+    Shapes shapes;
+    shapes.house({-8, -12}, {8, 12}, 6, 12);
+    shapes.quad({-30, -30, 2}, {-14, -30, 2}, {-14, -14, 9}, {-30, -14, 9}); // a sheet, open
+    SmallScene scene(shapes);
+    for (const double elevation : kElevations)
+        for (const double azimuth : {90.0, 120.0, 180.0, 265.0})
+            for (const Look& look :
+                 {Look{{30, -20, 30}, {0, 0, 8}}, Look{{-28, -45, 14}, {-14, -14, 6}}}) {
+                const Shot shot = scene.draw(look, azimuth, elevation);
+                const Acne acne = acneOf(shot, [&](const glm::dvec3& p) {
+                    const bool onRoof =
+                        std::abs(p.x) < 8.01 && std::abs(p.y) < 12.01 && p.z > 6.001;
+                    // The sheet is in the house's shadow when the sun is low in the east.
+                    const bool onSheet = p.x < -13.9 && p.z > 1.9 && azimuth > 130.0;
+                    return onRoof || onSheet;
+                });
+                EXPECT_EQ(acne.wrong, 0u) << elevation << " " << azimuth << " worst " << acne.worst;
+            }
+}
+
+TEST(Planes, ShowNoAcneOnADome) {
+    Shapes shapes;
+    shapes.dome({0, 0}, 10);
+    SmallScene scene(shapes);
+    Acne all;
+    for (const double elevation : kElevations)
+        for (const double azimuth : {90.0, 215.0})
+            for (const Look& look :
+                 {Look{{18, -20, 14}, {0, 0, 4}}, Look{{-60, -5, 3}, {0, 0, 5}, 25}}) {
+                const Shot shot = scene.draw(look, azimuth, elevation);
+                const Acne acne = acneOf(shot, [](const glm::dvec3& p) { return p.z > 0.01; });
+                EXPECT_EQ(acne.wrong, 0u) << elevation << " " << azimuth << " worst " << acne.worst;
+                all += acne;
+            }
+    EXPECT_GT(all.pixels, 100000u);
+    std::printf("[ measured ] %zu of %zu pixels\n", all.wrong, all.pixels);
+}
+
+TEST(Planes, ShowNoAcneWithAnyFilter) {
+    Shapes shapes;
+    shapes.dome({0, 0}, 10);
+    shapes.house({20, -12}, {36, 12}, 6, 12);
+    SmallScene scene(shapes);
+    for (const char* filter : {"none", "bilinear", "pcf:3", "pcf:9", "pcss:5,9"}) {
+        ShadowSettings settings;
+        ASSERT_FALSE(parseShadowFilter(filter, settings));
+        scene.setShadows(settings);
+        for (const double elevation : {2.0, 30.0, 75.0}) {
+            const Shot shot = scene.draw({{28, -45, 25}, {14, 0, 4}}, 190, elevation);
+            const Acne acne = acneOf(shot, [](const glm::dvec3& p) {
+                return p.z > 6.001 || (p.z > 0.01 && std::abs(p.x) < 10.01);
+            });
+            EXPECT_EQ(acne.wrong, 0u) << filter << " " << elevation << " worst " << acne.worst;
+        }
+    }
+}
+
+TEST(Planes, AreDarkThroughoutBelowARoofOverAll) {
+    Shapes shapes;
+    shapes.box({-3000, -3000, 40}, {3000, 3000, 41});
+    SmallScene scene(shapes);
+    for (const double elevation : {30.0, 60.0, 90.0}) {
+        const Shot shot = scene.draw({{0, -100, 8}, {0, 0, 0}}, 160, elevation);
+        std::size_t ground = 0, lit = 0;
+        float most = 0.0f;
+        std::vector<bool> cascades(6, false);
+        for (std::size_t i = 0; i < shot.visibility.size(); ++i) {
+            if (shot.sky(i) || shot.position[i].z > 1.0 || glm::length(shot.position[i]) > 2000.0 ||
+                shot.cascade[i] == 255.0f)
+                continue;
+            ++ground;
+            cascades[std::size_t(shot.cascade[i])] = true;
+            lit += shot.visibility[i] != 0.0f;
+            most = std::max(most, shot.visibility[i]);
+        }
+        EXPECT_EQ(lit, 0u) << elevation << " most " << most;
+        EXPECT_GT(ground, 20000u);
+        EXPECT_GE(std::count(cascades.begin(), cascades.end(), true),
+                  3); // seams are in the picture
+    }
+}
+
+TEST(Planes, FadeToFullSunByDistanceAtTheEndOfTheRange) {
+    Shapes shapes;
+    shapes.box({-3000, -3000, 40}, {3000, 3000, 41});
+    ShadowSettings settings;
+    settings.rangeMetres = 200.0;
+    settings.fadeMetres = 50.0;
+    SmallScene scene(shapes, {kCologne, true, settings});
+    const Shot shot = scene.draw({{0, -100, 8}, {0, 0, 0}}, 160, 60);
+    const glm::dvec3 eye(0, -100, 8);
+    double worst = 0.0;
+    std::size_t fading = 0, past = 0;
+    for (std::size_t i = 0; i < shot.visibility.size(); ++i) {
+        if (shot.sky(i) || shot.position[i].z > 1.0)
+            continue;
+        const double distance = glm::length(shot.position[i] - eye);
+        const double expected = 1.0 - std::clamp((200.0 - distance) / 50.0, 0.0, 1.0);
+        fading += expected > 0.0 && expected < 1.0;
+        past += expected == 1.0;
+        worst = std::max(worst, std::abs(expected - double(shot.visibility[i])));
+        if (expected == 1.0) {
+            EXPECT_EQ(shot.visibility[i], 1.0f);
+        }
+    }
+    EXPECT_LE(worst, 1e-4);
+    EXPECT_GT(fading, 500u);
+    EXPECT_GT(past, 500u);
+}
