@@ -89,14 +89,12 @@ void main() {
     float facing = max(dot(shading, sunDirection.xyz), 0.0);
     vec3 skyLight = mix(groundBounce.rgb, skyLightUp.rgb, 0.5 + 0.5 * up);
     vec3 color;
-    if (albedo.a > 0.5) // unlit: its colours carry their own light, so only the sun's share is shaded
-        color = albedo.rgb * (unlitShade.x * skyLightUp.rgb +
-                              unlitShade.y * sunRadiance.rgb * sun * smoothstep(0.0, 0.2, facing));
+    if (albedo.a > 0.5) // unlit: its colours carry light and tone already; shadow takes the sun's share
+        color = albedo.rgb * (unlitShade.x + unlitShade.y * sun * smoothstep(0.0, 0.2, facing));
     else
-        color = albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun);
+        color = toneMap(albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun));
 
     float distance = viewDepth(depth) * length(ray);
-    float clear = transmittance(direction, distance);
-    color = mix(haze.rgb, color, clear);
-    outColor = vec4(encodeSrgb(toneMap(color)), 1.0);
+    color = mix(toneMap(haze.rgb), color, transmittance(direction, distance));
+    outColor = vec4(encodeSrgb(color), 1.0);
 }

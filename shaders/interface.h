@@ -75,7 +75,7 @@ GNOMON_BLOCK(LookBlock, BLOCK_LOOK) {
     vec4 groundBounce; // and a downward one from the ground
     vec4 sunGlow;      // aureole
     vec4 haze;         // rgb: colour; w: extinction per metre at sea level
-    vec4 unlitShade;   // x: sky's share, y: sun's share for unlit materials
+    vec4 unlitShade;   // x: sky's share, y: sun's share of an unlit colour
 };
 
 #ifdef __cplusplus

@@ -57,17 +57,21 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
     const double low = 1.0 - smoothstep(0.0, 20.0, std::abs(e));
     const glm::dvec3 warm = glm::mix(glm::dvec3(1.0), glm::pow(through, glm::dvec3(0.12)), low);
 
+    // The eye opens with the square root of what the sky loses, up to twice: a low sun is still seen by.
+    const double eye = std::min(1.0 / std::sqrt(sky), 2.0);
+
     shader::LookBlock look{};
     look.sunDirection = rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
     look.localUp = rgb(stored * ellipsoidNormal(camera.position).xyz, height);
-    look.sunRadiance = rgb(3.0 * share * through);
-    look.skyZenith = rgb(sky * glm::dvec3(0.16, 0.30, 0.62));
-    look.skyHorizon = rgb(sky * glm::dvec3(0.62, 0.74, 0.88) * warm);
-    look.skyLightUp = rgb(sky * glm::dvec3(0.50, 0.62, 0.80));
-    look.groundBounce = rgb(sky * glm::dvec3(0.26, 0.26, 0.25) + 0.12 * share * through);
-    look.sunGlow = rgb(0.6 * sky * through * glm::dvec3(1.0, 0.9, 0.75) * (0.3 + 0.7 * share));
-    look.haze = rgb(sky * glm::dvec3(0.55, 0.68, 0.84) * warm, 3.912 / 60000.0); // 60 km (Koschmieder)
-    look.unlitShade = glm::vec4(0.55f, 0.27f, 0.0f, 0.0f);
+    look.sunRadiance = rgb(eye * 3.0 * share * through);
+    look.skyZenith = rgb(eye * sky * glm::dvec3(0.16, 0.30, 0.62));
+    look.skyHorizon = rgb(eye * sky * glm::dvec3(0.62, 0.74, 0.88) * warm);
+    look.skyLightUp = rgb(eye * sky * glm::dvec3(0.50, 0.62, 0.80));
+    look.groundBounce = rgb(eye * (sky * glm::dvec3(0.26, 0.26, 0.25) + 0.12 * share * through));
+    look.sunGlow = rgb(eye * 0.6 * sky * through * glm::dvec3(1.0, 0.9, 0.75) * (0.3 + 0.7 * share));
+    look.haze = rgb(eye * sky * glm::dvec3(0.55, 0.68, 0.84) * warm, 3.912 / 60000.0); // 60 km (Koschmieder)
+    // By day an unlit colour is shown as it is, in shadow at the share that the sky has of the light.
+    look.unlitShade = glm::vec4(float(0.45 * std::min(sky, 1.0)), float(0.55 * share), 0.0f, 0.0f);
     return look;
 }
 

@@ -112,9 +112,12 @@ void addScene(Command& command, SceneOptions& scene, bool required) {
                    [&scene](double metres) { scene.raiseMetres = metres; });
     command.option("--up", "AXIS", "y, z or auto: which of its axes is up [auto]",
                    [&scene](const std::string& text) { return parseUp(text, scene.up); });
+    // A tile is held decoded and, about as large, on the GPU: half of the memory for each.
+    const auto halfOf = [](std::int64_t mb) { return std::size_t(mb) << 19; };
+    scene.loader.memoryBytes = halfOf(1024);
     command.integer(
-        "--memory", "MB", "for decoded tiles, at most [1024]", 16, 1 << 20,
-        [&scene](std::int64_t mb) { scene.loader.memoryBytes = std::size_t(mb) << 20; });
+        "--memory", "MB", "for tiles, decoded and on the GPU, at most [1024]", 16, 1 << 20,
+        [&scene, halfOf](std::int64_t mb) { scene.loader.memoryBytes = halfOf(mb); });
 }
 
 void addCamera(Command& command, PictureOptions& picture) {

@@ -39,7 +39,7 @@ TEST(Options, DefaultsAreThoseOfTheContract) {
     EXPECT_EQ(options.picture.frame.maximumScreenSpaceError, 8.0);
     EXPECT_EQ(options.picture.timeoutSeconds, 60.0);
     EXPECT_EQ(options.framesPerSecond, 30.0);
-    EXPECT_EQ(options.picture.scene.loader.memoryBytes, std::size_t(1024) << 20);
+    EXPECT_EQ(options.picture.scene.loader.memoryBytes, std::size_t(1024) << 19);
     EXPECT_TRUE(options.picture.frame.groundAuto);
     EXPECT_EQ(options.picture.frame.shadows.method, ShadowMethod::Cascades);
     EXPECT_EQ(options.picture.frame.shadows.filter, ShadowFilter::Pcss);
