@@ -19,7 +19,7 @@ void CompositePass::draw(const VisibilityPass& seen, const Texture& sunVisibilit
     if (width_ != seen.width() || height_ != seen.height()) {
         width_ = seen.width();
         height_ = seen.height();
-        color_ = makeTarget(GL_RGBA8, width_, height_); // the shader encodes sRGB itself
+        color_ = makeTarget(GL_SRGB8_ALPHA8, width_, height_);
         unsigned id = 0;
         glCreateFramebuffers(1, &id);
         target_ = Framebuffer(id);

@@ -9,11 +9,10 @@ layout(binding = TEX_ALBEDO) uniform sampler2D albedoTexture; // sRGB, decoded b
 layout(binding = TEX_SUN) uniform sampler2D sunTexture;
 
 in vec2 ndc;
-layout(location = 0) out vec4 outColor;
+layout(location = 0) out vec4 outColor; // linear; the target encodes sRGB
 
 const float EARTH_RADIUS = 6.371e6;
 const float HAZE_HEIGHT = 2000.0; // scale height of the haze, metres
-const float AIR_HEIGHT = 8000.0;
 
 // Share of light that crosses `distance` metres of haze along `ray`, its density falling with height.
 float transmittance(vec3 ray, float distance) {
@@ -21,7 +20,7 @@ float transmittance(vec3 ray, float distance) {
     float up = dot(localUp.xyz, ray);
     float flat2 = distance * distance * (1.0 - up * up);
     float h1 = max(h0 + up * distance + flat2 / (2.0 * EARTH_RADIUS), 0.0);
-    float a = exp(-h0 / HAZE_HEIGHT), b = exp(-h1 / HAZE_HEIGHT);
+    float a = sunRadiance.w, b = exp(-h1 / HAZE_HEIGHT);
     float dh = h1 - h0;
     float mean = abs(dh) < 1.0 ? a : HAZE_HEIGHT * (a - b) / dh;
     return exp(-haze.w * mean * distance);
@@ -29,15 +28,14 @@ float transmittance(vec3 ray, float distance) {
 
 vec3 sky(vec3 ray) {
     float up = dot(localUp.xyz, ray);
-    // Seen from high up the horizon sinks below the horizontal.
-    float h = max(localUp.w, 0.0);
-    float dip = sqrt(2.0 * h / EARTH_RADIUS) / (1.0 + h / EARTH_RADIUS);
+    float dip = skyHorizon.w;
     float height = clamp((up + dip) / (1.0 + dip), 0.0, 1.0);
-    vec3 color = mix(skyHorizon.rgb, skyZenith.rgb, 1.0 - pow(1.0 - height, 6.0) * 0.9 - 0.1 * (1.0 - height));
+    float low = 1.0 - height, low2 = low * low;
+    vec3 color = mix(skyZenith.rgb, skyHorizon.rgb, 0.9 * low2 * low2 * low2 + 0.1 * low);
     float toward = dot(ray, sunDirection.xyz);
-    float halo = max(toward, 0.0);
-    color += sunGlow.rgb * (0.25 * pow(halo, 8.0) + 1.5 * pow(halo, 256.0));
-    color *= exp(-h / AIR_HEIGHT);
+    float halo = max(toward, 0.0), halo2 = halo * halo, halo4 = halo2 * halo2;
+    color += sunGlow.rgb * (0.25 * halo4 * halo4 + 1.5 * pow(halo, 256.0));
+    color *= skyZenith.w;
     if (toward > sunDirection.w && up > -dip)
         color += sunRadiance.rgb * 20.0;
     return color;
@@ -47,10 +45,6 @@ vec3 toneMap(vec3 x) {
     // Narkowicz's fit of the ACES curve, "ACES filmic tone mapping curve", 2015.
     x *= 0.5;
     return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
-}
-
-vec3 encodeSrgb(vec3 c) {
-    return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
 }
 
 // Tiles of different detail do not meet exactly: through the crack a lone pixel shows the sky. Such a
@@ -77,7 +71,7 @@ void main() {
     vec3 ray = viewRay(ndc);
     vec3 direction = normalize(ray);
     if (depth <= 0.0) {
-        outColor = vec4(encodeSrgb(toneMap(sky(direction))), 1.0);
+        outColor = vec4(toneMap(sky(direction)), 1.0);
         return;
     }
     vec4 albedo = texelFetch(albedoTexture, pixel, 0);
@@ -96,5 +90,5 @@ void main() {
 
     float distance = viewDepth(depth) * length(ray);
     color = mix(toneMap(haze.rgb), color, transmittance(direction, distance));
-    outColor = vec4(encodeSrgb(color), 1.0);
+    outColor = vec4(color, 1.0);
 }

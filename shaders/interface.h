@@ -68,9 +68,9 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
 GNOMON_BLOCK(LookBlock, BLOCK_LOOK) {
     vec4 sunDirection; // the meshes' axes; w: cosine of the disc's radius
     vec4 localUp;      // the meshes' axes; w: camera height above the ellipsoid
-    vec4 sunRadiance;
-    vec4 skyZenith;
-    vec4 skyHorizon;
+    vec4 sunRadiance;  // w: density of the haze at the camera, against sea level
+    vec4 skyZenith;    // w: share of the air that is above the camera
+    vec4 skyHorizon;   // w: sine by which the horizon lies below the horizontal
     vec4 skyLightUp;   // what an upward surface gets from the sky
     vec4 groundBounce; // and a downward one from the ground
     vec4 sunGlow;      // aureole

@@ -14,6 +14,9 @@ namespace {
 // 0.05, 0.10, 0.22 (Bucholtz 1995) and 0.06, 0.07, 0.09 of aerosol.
 const glm::dvec3 kOpticalDepth(0.11, 0.17, 0.31);
 
+constexpr double kHazeHeightMetres = 2000.0; // scale height; composite.frag's HAZE_HEIGHT
+constexpr double kAirHeightMetres = 8000.0;
+
 double smoothstep(double a, double b, double x) {
     const double t = std::clamp((x - a) / (b - a), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
@@ -57,15 +60,19 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
     const double low = 1.0 - smoothstep(0.0, 20.0, std::abs(e));
     const glm::dvec3 warm = glm::mix(glm::dvec3(1.0), glm::pow(through, glm::dvec3(0.12)), low);
 
+    // Seen from high up the horizon sinks: cos(dip) = R / (R + h).
+    const double cosDip = kEquatorialRadiusMetres / (kEquatorialRadiusMetres + std::max(height, 0.0));
+    const double dip = std::sqrt(1.0 - cosDip * cosDip);
     // The eye opens with the square root of what the sky loses, up to twice: a low sun is still seen by.
     const double eye = std::min(1.0 / std::sqrt(sky), 2.0);
 
     shader::LookBlock look{};
     look.sunDirection = rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
     look.localUp = rgb(stored * ellipsoidNormal(camera.position).xyz, height);
-    look.sunRadiance = rgb(eye * 3.0 * share * through);
-    look.skyZenith = rgb(eye * sky * glm::dvec3(0.16, 0.30, 0.62));
-    look.skyHorizon = rgb(eye * sky * glm::dvec3(0.62, 0.74, 0.88) * warm);
+    const double aboveGround = std::max(height, 0.0);
+    look.sunRadiance = rgb(eye * 3.0 * share * through, std::exp(-aboveGround / kHazeHeightMetres));
+    look.skyZenith = rgb(eye * sky * glm::dvec3(0.16, 0.30, 0.62), std::exp(-aboveGround / kAirHeightMetres));
+    look.skyHorizon = rgb(eye * sky * glm::dvec3(0.62, 0.74, 0.88) * warm, dip);
     look.skyLightUp = rgb(eye * sky * glm::dvec3(0.50, 0.62, 0.80));
     look.groundBounce = rgb(eye * (sky * glm::dvec3(0.26, 0.26, 0.25) + 0.12 * share * through));
     look.sunGlow = rgb(eye * 0.6 * sky * through * glm::dvec3(1.0, 0.9, 0.75) * (0.3 + 0.7 * share));

@@ -19,7 +19,7 @@ namespace gnomon::test {
 class Passes {
   public:
     Passes(Scene& scene, std::optional<double> groundHeight)
-        : scene_(scene), cache_((softwareContext(), scene)) {
+        : scene_(scene), cache_(scene) {
         if (groundHeight) {
             std::vector<std::string> warnings;
             ground_.emplace(makeGround(scene, *groundHeight), warnings);
@@ -43,16 +43,22 @@ class Passes {
 
     void see(const Camera& camera) {
         surfaceCamera_ = camera;
-        seen_.draw(camera, items_);
+        seen_.draw(camera, items_, axes());
     }
 
     const CascadeSet& fit(const Camera& camera, const SunPosition& sun,
                           const ShadowSettings& settings) {
         const ShadowReach reach =
             shadowReach(scene_, camera, sun, items_, settings, perspectiveView(camera));
-        set_ = fitCascades({camera, lightFromEcef(scene_.ecefFromAnchor, sun.towards),
-                            reach.nearMetres, reach.farMetres, reach.rangeMetres, reach.fadeMetres},
-                           settings);
+        CascadeInput input;
+        input.camera = camera;
+        input.lightFromEcef = lightFromEcef(scene_.ecefFromAnchor, sun.towards);
+        input.meshAxes = axes();
+        input.nearMetres = reach.nearMetres;
+        input.farMetres = reach.farMetres;
+        input.rangeMetres = reach.rangeMetres;
+        input.fadeMetres = reach.fadeMetres;
+        set_ = fitCascades(input, settings);
         bound_ = casterBound(scene_, sun, set_.lightFromEcef, items_);
         for (Cascade& cascade : set_.cascades)
             setDepthRange(cascade, set_.mapSize, bound_);
@@ -72,7 +78,8 @@ class Passes {
     Answer ask(const Camera& camera, const SunPosition& sun, const ShadowSettings& settings) {
         fit(camera, sun, settings);
         drawMaps(settings);
-        sunPass_.draw(seen_, {surfaceCamera_, camera, sun.towards, &set_, &maps_, bound_}, settings);
+        sunPass_.draw(
+            seen_, {surfaceCamera_, camera, sun.towards, &set_, &maps_, bound_, axes()}, settings);
         return {sunPass_.readVisibility(), sunPass_.readCascades()};
     }
 
@@ -81,6 +88,8 @@ class Passes {
     std::span<const render::DrawItem> items() const { return items_; }
 
   private:
+    glm::dmat3 axes() const { return scene_.ecefFromAnchor.axes(); } // meshes are stored along them
+
     Scene& scene_;
     TileCache cache_;
     std::optional<render::GpuTile> ground_;

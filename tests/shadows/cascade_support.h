@@ -51,9 +51,12 @@ inline Fitted fit(const Place& place, const Camera& camera, double azimuth, doub
                   double topMetres = 100.0) {
     Fitted out;
     const SunPosition sun = sunFromAngles(azimuth, elevation, place.anchor);
-    out.input = {camera,     lightFromEcef(place.ecefFromAnchor, sun.towards),
-                 nearMetres, farMetres,
-                 farMetres,  0.1 * farMetres};
+    out.input.camera = camera;
+    out.input.lightFromEcef = lightFromEcef(place.ecefFromAnchor, sun.towards);
+    out.input.nearMetres = nearMetres;
+    out.input.farMetres = farMetres;
+    out.input.rangeMetres = farMetres;
+    out.input.fadeMetres = 0.1 * farMetres;
     out.set = fitCascades(out.input, settings);
     out.bound.topMetres = topMetres;
     out.bound.sinElevation = std::max(rigidInverse(place.ecefFromAnchor)(sun.towards).xyz.z, 0.0);
