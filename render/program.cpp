@@ -35,8 +35,10 @@ std::string expand(std::string_view file, int depth = 0) {
     return out;
 }
 
-unsigned compile(unsigned stage, std::string_view file) {
-    const std::string source = expand(file);
+unsigned compile(unsigned stage, std::string_view file, std::string_view define) {
+    std::string source = expand(file);
+    if (!define.empty()) // after the first line, which is #version
+        source.insert(source.find('\n') + 1, "#define " + std::string(define) + "\n");
     const char* text = source.c_str();
     const unsigned shader = glCreateShader(stage);
     glShaderSource(shader, 1, &text, nullptr);
@@ -54,10 +56,11 @@ unsigned compile(unsigned stage, std::string_view file) {
 
 } // namespace
 
-Program::Program(std::string_view vertexFile, std::string_view fragmentFile)
+Program::Program(std::string_view vertexFile, std::string_view fragmentFile,
+                 std::string_view define)
     : handle_(glCreateProgram()) {
-    const unsigned vertex = compile(GL_VERTEX_SHADER, vertexFile);
-    const unsigned fragment = compile(GL_FRAGMENT_SHADER, fragmentFile);
+    const unsigned vertex = compile(GL_VERTEX_SHADER, vertexFile, {});
+    const unsigned fragment = compile(GL_FRAGMENT_SHADER, fragmentFile, define);
     glAttachShader(handle_.id(), vertex);
     glAttachShader(handle_.id(), fragment);
     glLinkProgram(handle_.id());

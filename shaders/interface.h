@@ -52,7 +52,7 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
     vec4 selection;                      // view depth = dot(xyz, p) + w, of the camera that cascades fit
     vec4 eye;                            // xyz: that camera, relative to the surface's camera
     vec4 fade;                           // x: range metres, y: fade metres, z: cascades, w: texels N
-    vec4 filter_;                        // x: kind, y: pcf width, z: blocker samples, w: filter samples
+    vec4 filter_;                        // x: box width in texels, z: blocker samples, w: filter samples
     vec4 reach;                          // metres to the highest caster along a sun ray:
                                          // dot(xyz, p) + w
     vec4 axisX;                          // light axes along the meshes' (unit)

@@ -1,4 +1,8 @@
 #version 450 core
+// Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_PCSS, or none of them when
+// there are no cascades. Variants, and loops where others would branch: a software rasteriser runs both
+// sides of a branch, but leaves a loop when no pixel of its group needs another round.
+//
 // How much of the sun each pixel's surface sees, 0…1, in screen space: once a pixel, whatever the
 // scene's depth complexity. After Niedermayer (cascades, PCF, blend, fade) with the penumbra of a sun
 // at infinity: its half width is the gap between blocker and receiver times tan(0.533°/2), with no
@@ -17,13 +21,10 @@ in vec2 ndc;
 layout(location = 0) out float outVisibility;
 layout(location = 1) out float outCascade; // index / 255; 1 is none
 
-const int FILTER_NONE = 0;
-const int FILTER_BOX = 1; // bilinear and PCF
-const int FILTER_PCSS = 2;
-
 // A dense disc reads every texel below it; beyond this radius samples are spread instead.
 const float DENSE_RADIUS = 3.0;
-const float GOLDEN_ANGLE = 2.39996323;
+// Turns by the golden angle, 137.5°: the next arm of the spiral that samples a disc (Vogel, 1979).
+const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368878);
 // Two lit faces that meet in a hollow, as a wall and the ground before it, must not shade each other.
 // Across such an edge a face rises over the receiver's plane by (tan a + tan b) for each unit sideways,
 // a and b the angles between the sun and the two normals. A texel that stands no higher than that says
@@ -77,6 +78,7 @@ vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
 // Of what was said. Where nothing is, a blocker touches: in a hollow the receiver's own face speaks.
 float share(float litSum, float total) { return total > 0.0 ? litSum / total : 0.0; }
 
+#ifdef FILTER_BOX
 // A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
 float boxFilter(Receiver r, float width) {
     vec2 low = r.lattice - 0.5 * width, high = r.lattice + 0.5 * width;
@@ -97,6 +99,9 @@ float boxFilter(Receiver r, float width) {
     return share(sum, total);
 }
 
+#endif
+
+#ifdef FILTER_PCSS
 // Every texel below a disc, those at its rim by their share.
 float denseDisc(Receiver r, float radius) {
     vec2 first = floor(r.lattice - radius - 0.5);
@@ -113,17 +118,13 @@ float denseDisc(Receiver r, float radius) {
     return share(sum, total);
 }
 
-vec2 spiral(int i, int count, float radius) {
-    float a = float(i) * GOLDEN_ANGLE;
-    return radius * sqrt((float(i) + 0.5) / float(count)) * vec2(cos(a), sin(a));
-}
-
-// Bilinear taps at a fixed spiral (Vogel): the pattern belongs to the lattice, so it does not swim.
+// Bilinear taps on a fixed spiral: the pattern belongs to the lattice, so it does not swim.
 float sampledDisc(Receiver r, float radius) {
     int count = int(filter_.w);
     float sum = 0.0, total = 0.0;
-    for (int i = 0; i < count; ++i) {
-        vec2 tap = r.lattice + spiral(i, count, radius) - 0.5;
+    vec2 arm = vec2(radius * inversesqrt(float(count)), 0.0);
+    for (int i = 0; i < count; ++i, arm = GOLDEN_TURN * arm) {
+        vec2 tap = r.lattice + sqrt(float(i) + 0.5) * arm - 0.5;
         vec2 f = fract(tap), g = 1.0 - f;
         vec4 dx, dy, says;
         vec4 shade = lit(gaps(r, floor(tap), dx, dy, says));
@@ -159,13 +160,14 @@ float pcss(Receiver r) {
             for (int i = 0; i < quads; ++i)
                 look(r, first + 2.0 * vec2(i, j), found);
     } else {
+        // The spiral may miss what stands close by: four quads around the receiver come first.
         int count = int(filter_.z);
-        for (int i = 0; i < count; ++i)
-            look(r, floor(r.lattice + spiral(i, count, search) - 0.5), found);
-        // The spiral may miss what stands close by.
-        for (int j = 0; j < 2; ++j)
-            for (int i = 0; i < 2; ++i)
-                look(r, floor(r.lattice - 1.5) + 2.0 * vec2(i, j), found);
+        vec2 arm = vec2(search * inversesqrt(float(count)), 0.0);
+        for (int i = -4; i < count; ++i, arm = GOLDEN_TURN * arm) {
+            vec2 near = floor(r.lattice - 1.5) + 2.0 * vec2(i & 1, (i >> 1) & 1);
+            vec2 wide = floor(r.lattice + sqrt(max(float(i), 0.0) + 0.5) * arm - 0.5);
+            look(r, i < 0 ? near : wide, found);
+        }
     }
     if (found.litCount == 0.0)
         return 0.0;
@@ -175,11 +177,18 @@ float pcss(Receiver r) {
     return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
 }
 
+#endif
+
+#ifdef FILTER_NONE
 float nearest(Receiver r) {
     vec4 dx, dy, says;
     return lit(gaps(r, floor(r.lattice), dx, dy, says)).w;
 }
 
+#endif
+
+#if defined(FILTER_NONE) || defined(FILTER_BOX) || defined(FILTER_PCSS)
+#define CASCADES
 float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance) {
     Receiver r;
     r.cascade = cascade;
@@ -200,13 +209,15 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
 
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);
 
-    int kind = int(filter_.x);
-    if (kind == FILTER_NONE)
-        return nearest(r);
-    if (kind == FILTER_BOX)
-        return boxFilter(r, filter_.y);
+#if defined(FILTER_NONE)
+    return nearest(r);
+#elif defined(FILTER_BOX)
+    return boxFilter(r, filter_.x);
+#else
     return pcss(r);
+#endif
 }
+#endif
 
 void main() {
     float depth = texelFetch(depthTexture, ivec2(gl_FragCoord.xy), 0).r;
@@ -221,6 +232,8 @@ void main() {
     float facing = dot(normal, toSun.xyz);
     float horizon = clamp(facing / (2.0 * toSun.w), 0.0, 1.0);
 
+    outVisibility = horizon;
+#ifdef CASCADES
     float along = dot(selection.xyz, position) + selection.w;
     float distance = length(position - eye.xyz);
     int count = int(fade.z);
@@ -228,20 +241,18 @@ void main() {
     while (cascade < count && along > cascadeSplit[cascade].y)
         ++cascade;
     float kept = clamp((fade.x - distance) / fade.y, 0.0, 1.0);
-    if (cascade == count || kept == 0.0) {
-        outVisibility = horizon;
+    if (cascade == count || kept == 0.0)
         return;
-    }
     outCascade = float(cascade) / 255.0;
-    if (horizon == 0.0) {
-        outVisibility = 0.0;
-        return;
-    }
-    float visibility = cascadeVisibility(cascade, position, normal, distance);
-    float blend = cascadeSplit[cascade].z;
-    if (along > blend && cascade + 1 < count) {
-        float next = cascadeVisibility(cascade + 1, position, normal, distance);
-        visibility = mix(visibility, next, (along - blend) / (cascadeSplit[cascade].y - blend));
-    }
+    // In the blend area two cascades are looked at, elsewhere one; turned away from the sun, none.
+    float blendStart = cascadeSplit[cascade].z;
+    bool blends = along > blendStart && cascade + 1 < count;
+    float weight = blends ? (along - blendStart) / (cascadeSplit[cascade].y - blendStart) : 0.0;
+    int rounds = horizon == 0.0 ? 0 : blends ? 2 : 1;
+    float visibility = 0.0;
+    for (int i = 0; i < rounds; ++i)
+        visibility += (i == 0 ? 1.0 - weight : weight) *
+                      cascadeVisibility(cascade + i, position, normal, distance);
     outVisibility = horizon * mix(1.0, visibility, kept);
+#endif
 }

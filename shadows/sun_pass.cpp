@@ -11,19 +11,16 @@ namespace gnomon {
 
 namespace {
 
-// The numbers of sun.frag's FILTER_…
-enum class Kernel { None, Box, Pcss };
-
 glm::vec4 filterBlock(const ShadowSettings& s) {
     switch (s.filter) {
     case ShadowFilter::None:
-        return {float(Kernel::None), 0, 0, 0};
+        return {};
     case ShadowFilter::Bilinear:
-        return {float(Kernel::Box), 1, 0, 0};
+        return {1, 0, 0, 0};
     case ShadowFilter::Pcf:
-        return {float(Kernel::Box), float(s.pcfWidth), 0, 0};
+        return {float(s.pcfWidth), 0, 0, 0};
     case ShadowFilter::Pcss:
-        return {float(Kernel::Pcss), 0, float(s.blockerSamples), float(s.filterSamples)};
+        return {0, 0, float(s.blockerSamples), float(s.filterSamples)};
     }
     return {};
 }
@@ -84,9 +81,23 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
 
 } // namespace
 
+void SunPass::use(const ShadowSettings& settings, bool cascades) {
+    const ShadowFilter filter = settings.filter;
+    render::Program& program = !cascades                       ? unshadowed_
+                               : filter == ShadowFilter::None ? none_
+                               : filter == ShadowFilter::Pcss ? pcss_
+                                                              : box_;
+    if (program.id() == 0)
+        program = render::Program("fullscreen.vert", "sun.frag",
+                                  !cascades                       ? ""
+                                  : filter == ShadowFilter::None ? "FILTER_NONE"
+                                  : filter == ShadowFilter::Pcss ? "FILTER_PCSS"
+                                                                 : "FILTER_BOX");
+    program.use();
+}
+
 SunPass::SunPass()
-    : program_("fullscreen.vert", "sun.frag"),
-      block_(render::makeDynamicBuffer(sizeof(shader::SunBlock))) {
+    : block_(render::makeDynamicBuffer(sizeof(shader::SunBlock))) {
     unsigned id = 0;
     glCreateVertexArrays(1, &id);
     empty_ = render::VertexArray(id);
@@ -121,7 +132,7 @@ void SunPass::draw(const render::VisibilityPass& seen, const SunPassInput& input
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     glViewport(0, 0, width_, height_);
     glDisable(GL_DEPTH_TEST);
-    program_.use();
+    use(settings, input.cascades != nullptr);
     glBindVertexArray(empty_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

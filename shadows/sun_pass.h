@@ -39,7 +39,9 @@ class SunPass {
   private:
     void resize(int width, int height);
 
-    render::Program program_;
+    void use(const ShadowSettings& settings, bool cascades);
+
+    render::Program none_, box_, pcss_, unshadowed_; // compiled when first used
     render::Buffer block_;
     render::Texture visibility_, cascade_;
     render::Framebuffer target_;

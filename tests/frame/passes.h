@@ -18,8 +18,7 @@ namespace gnomon::test {
 
 class Passes {
   public:
-    Passes(Scene& scene, std::optional<double> groundHeight)
-        : scene_(scene), cache_(scene) {
+    Passes(Scene& scene, std::optional<double> groundHeight) : scene_(scene), cache_(scene) {
         if (groundHeight) {
             std::vector<std::string> warnings;
             ground_.emplace(makeGround(scene, *groundHeight), warnings);
@@ -31,10 +30,9 @@ class Passes {
         std::vector<Selection> selections;
         const View view = perspectiveView(camera);
         for (Layer& layer : scene_.layers)
-            selections.push_back(
-                settle(*layer.tileset, std::span(&view, 1), {8.0, false},
-                       std::chrono::steady_clock::now() + std::chrono::minutes(1))
-                    .selection);
+            selections.push_back(settle(*layer.tileset, std::span(&view, 1), {8.0, false},
+                                        std::chrono::steady_clock::now() + std::chrono::minutes(1))
+                                     .selection);
         items_ = cache_.items(selections, 1000000);
         if (ground_)
             for (const render::GpuMesh& mesh : ground_->meshes())
@@ -78,8 +76,8 @@ class Passes {
     Answer ask(const Camera& camera, const SunPosition& sun, const ShadowSettings& settings) {
         fit(camera, sun, settings);
         drawMaps(settings);
-        sunPass_.draw(
-            seen_, {surfaceCamera_, camera, sun.towards, &set_, &maps_, bound_, axes()}, settings);
+        sunPass_.draw(seen_, {surfaceCamera_, camera, sun.towards, &set_, &maps_, bound_, axes()},
+                      settings);
         return {sunPass_.readVisibility(), sunPass_.readCascades()};
     }
 

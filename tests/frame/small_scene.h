@@ -272,14 +272,15 @@ inline const double kTanSun = std::tan(0.5 * kSunDiameterDegrees * kRadiansPerDe
 // How a picture's shadows compare with the rays. Away from edges: farther from any in the light's
 // plane than two texels and what the filter may spread.
 struct Compared {
-    std::size_t lit = 0, dark = 0, edge = 0, turnedAway = 0;
+    std::size_t lit = 0, dark = 0, edge = 0, turnedAway = 0, grazing = 0, beyond = 0;
     std::size_t falseLit = 0, falseShadow = 0, falseAway = 0;
     double worstLit = 1.0,
            worstDark = 0.0; // the least of a lit one's visibility, the most of a dark
 
-    std::size_t all() const { return lit + dark + edge + turnedAway; }
+    std::size_t compared() const { return lit + dark + edge; }
     void operator+=(const Compared& o) {
         lit += o.lit, dark += o.dark, edge += o.edge, turnedAway += o.turnedAway;
+        grazing += o.grazing, beyond += o.beyond;
         falseLit += o.falseLit, falseShadow += o.falseShadow, falseAway += o.falseAway;
         worstLit = std::min(worstLit, o.worstLit), worstDark = std::max(worstDark, o.worstDark);
     }
@@ -304,8 +305,12 @@ inline Compared compare(const Shot& shot, const SunRays& rays, const Margins& ma
             out.falseAway += v != 0.0;
             continue;
         }
-        if (facing < 2.0 * kTanSun + 1e-4 || shot.cascade[i] == 255.0f) {
-            ++out.edge;
+        if (facing < 2.0 * kTanSun + 1e-4) {
+            ++out.grazing;
+            continue;
+        }
+        if (shot.cascade[i] == 255.0f) {
+            ++out.beyond;
             continue;
         }
         const double gap = std::max(margins.topMetres - shot.position[i].z, 0.0) / sinElevation;
