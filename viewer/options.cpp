@@ -192,6 +192,13 @@ void addShadows(Command& command, PictureOptions& picture) {
     command.number("--split-lambda", "L",
                    "0 (even) to 1 (logarithmic) splits" + byDefault(shadows.splitLambda), 0, 1,
                    [&shadows](double lambda) { shadows.splitLambda = lambda; });
+    command.option("--fit", "FIT", "stable: cascades keep to a fixed lattice of texels [stable]",
+                   [](const std::string& text) -> Failure {
+                       if (text == "stable")
+                           return {};
+                       return Error{"--fit", "\"" + text + "\" is not there; there is: stable",
+                                    ErrorKind::Usage};
+                   });
     command.number("--shadow-range", "M", "how far from the eye shadows reach [fitted]", 1e-3, 1e8,
                    [&shadows](double metres) { shadows.rangeMetres = metres; });
     command.number("--fade", "M", "over the last of which they fade [a tenth of the range]", 0, 1e8,
@@ -252,6 +259,7 @@ void addCapture(Command& command, CaptureOptions& capture) {
         ->required();
     addScene(command, capture.picture.scene, true);
     addPicture(command, capture.picture, kCaptureScreenSpaceError);
+    command.app().add_flag("--no-overlay", "nothing is written over the picture; nor is it without");
     command.option("--frames", "A-B[:STEP]", "which frames [all of the camera path]",
                    [&capture](const std::string& text) -> Failure {
                        const Result<FrameRange> range = parseFrames(text);
