@@ -259,7 +259,8 @@ void addCapture(Command& command, CaptureOptions& capture) {
         ->required();
     addScene(command, capture.picture.scene, true);
     addPicture(command, capture.picture, kCaptureScreenSpaceError);
-    command.app().add_flag("--no-overlay", "nothing is written over the picture; nor is it without");
+    command.app().add_flag_callback("--no-overlay", [] {},
+                                    "nothing is written over the picture; nor is it without");
     command.option("--frames", "A-B[:STEP]", "which frames [all of the camera path]",
                    [&capture](const std::string& text) -> Failure {
                        const Result<FrameRange> range = parseFrames(text);
