@@ -32,6 +32,9 @@ const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368
 // its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
 // below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
+// A quad that is a plane and passes below is the neighbour up to this many times as steep: the ground
+// before a wall, under a sun 2° high.
+const float STEEP_NEIGHBOUR = 15.0;
 
 struct Receiver {
     int cascade;
@@ -66,9 +69,14 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     bvec4 before = greaterThan(gap, vec4(0.0));
     vec2 tilt = 0.5 * vec2(depth.y - depth.x + depth.z - depth.w, depth.x - depth.w + depth.y - depth.z) -
                 r.gradient;
-    bool planar = abs(depth.x - depth.y + depth.z - depth.w) < 4.0 * r.tolerance;
-    bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > 0.02 * cascadeOffset[r.cascade].w;
-    bvec4 clear = greaterThan(gap, above ? vec4(0.0) : neighbour);
+    // A quad across the edge may look like a plane too, but part of it is the receiver's own face.
+    bool planar = all(before) && abs(depth.x - depth.y + depth.z - depth.w) < 4.0 * r.tolerance;
+    // The quad's slope carries the map's rounding as far as the receiver is off; besides, a fiftieth of a
+    // texel for what rounding was not thought of.
+    float doubt = 2.0 * r.tolerance * (abs(dx.x) + abs(dy.x)) + 0.02 * cascadeOffset[r.cascade].w;
+    bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
+    float steepest = above ? 0.0 : planar ? STEEP_NEIGHBOUR : 1.0;
+    bvec4 clear = greaterThan(gap, steepest * neighbour);
     says = vec4(not(before)) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
 }
@@ -201,10 +209,11 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     vec2 slope = -n.xy / max(n.z, 1e-3);
     r.gradient = slope * texel;
     // Rounding, each term by where it comes from: the depth map's floats (from the CPU), the
-    // receiver's position at this distance, its lattice coordinate seen through the slope, and the
+    // receiver's position at this distance (along the ray, so off its plane), its lattice coordinate seen through the slope, and the
     // normal's 16 bits through the derivative of the slope.
     float steep2 = dot(slope, slope);
-    r.tolerance = cascadeOrigin[cascade].z + 1e-6 * distance + sqrt(steep2) * texel * fade.w * 2.4e-7;
+    r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
+                  sqrt(steep2) * texel * fade.w * 2.4e-7;
     r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
 
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);

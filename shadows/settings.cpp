@@ -85,23 +85,33 @@ Result<ShadowCull> parseShadowCull(const std::string& text) {
     return wrong(text, "auto, none, front, back");
 }
 
+namespace {
+
+std::string describeFilter(const ShadowSettings& s) {
+    switch (s.filter) {
+    case ShadowFilter::None:
+        return "none";
+    case ShadowFilter::Bilinear:
+        return "bilinear";
+    case ShadowFilter::Pcf:
+        return "pcf:" + std::to_string(s.pcfWidth);
+    case ShadowFilter::Pcss:
+        return "pcss:" + std::to_string(s.blockerSamples) + "," + std::to_string(s.filterSamples);
+    }
+    return {};
+}
+
+} // namespace
+
 std::string describe(const ShadowSettings& s) {
     if (s.method == ShadowMethod::Off)
         return "off";
     std::string out = s.method == ShadowMethod::Single ? "single" : "csm";
-    out += s.bias == ShadowBias::FrontFace ? "+frontface" : "+receiver-plane";
-    switch (s.filter) {
-    case ShadowFilter::None:
-        return out + "+none";
-    case ShadowFilter::Bilinear:
-        return out + "+bilinear";
-    case ShadowFilter::Pcf:
-        return out + "+pcf:" + std::to_string(s.pcfWidth);
-    case ShadowFilter::Pcss:
-        return out + "+pcss:" + std::to_string(s.blockerSamples) + "," +
-               std::to_string(s.filterSamples);
-    }
-    return out;
+    out += s.bias == ShadowBias::FrontFace ? "+frontface+" : "+receiver-plane+";
+    out += describeFilter(s);
+    static constexpr const char* kCulls[] = {"", ", cull none", ", cull front", ", cull back",
+                                             ", cull front of closed"};
+    return out + kCulls[int(s.cull)];
 }
 
 } // namespace gnomon

@@ -133,17 +133,17 @@ TEST(Shadow, OfACasterInATileThatThePictureNeverSeesFalls) {
     Scene scene = mustOpen(open);
     FrameOptions options;
     options.groundAuto = false;
-    options.groundHeightMetres = scene.anchor.heightMetres;
+    options.groundHeightMetres = kCologne.heightMetres;
     auto renderer = FrameRenderer::create(softwareContext(), scene, options);
     FrameRequest request;
-    request.camera = cameraFor(scene, {{0, -40, 12}, {0, 20, 0}});
-    request.sun = sunFromAngles(180, 30, scene.anchor);
+    request.camera = cameraFor(at, {{0, -40, 12}, {0, 20, 0}});
+    request.sun = sunFromAngles(180, 30, kCologne);
     request.deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
     const auto facts = (*renderer)->draw(request);
     ASSERT_TRUE(facts);
     EXPECT_TRUE(facts->complete);
     EXPECT_EQ(facts->tilesSelected, 2u);
-    const Shot shot = shotOf(**renderer, scene, request, *facts);
+    const Shot shot = shotOf(**renderer, at, request, *facts);
     std::vector<Triangle> triangles = seen.triangles();
     for (const Triangle& t : unseen.triangles())
         triangles.push_back(t);

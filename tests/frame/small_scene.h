@@ -135,26 +135,26 @@ struct Look {
     int width = 320, height = 180;
 };
 
-inline Camera cameraFor(const Scene& scene, const Look& look) {
+inline Camera cameraFor(const Transform<Ecef, Enu>& ecefFromPlace, const Look& look) {
     const glm::dvec3 forward = glm::normalize(look.target - look.eye);
     const glm::dvec3 side(forward.y, -forward.x, 0.0);
     const glm::dvec3 right = glm::length(side) > 1e-9 ? glm::normalize(side) : glm::dvec3(1, 0, 0);
     Camera camera;
-    camera.position = scene.ecefFromAnchor(Point<Enu>{look.eye});
-    camera.forward = scene.ecefFromAnchor(Vector<Enu>{forward});
-    camera.right = scene.ecefFromAnchor(Vector<Enu>{right});
-    camera.up = scene.ecefFromAnchor(Vector<Enu>{glm::cross(right, forward)});
+    camera.position = ecefFromPlace(Point<Enu>{look.eye});
+    camera.forward = ecefFromPlace(Vector<Enu>{forward});
+    camera.right = ecefFromPlace(Vector<Enu>{right});
+    camera.up = ecefFromPlace(Vector<Enu>{glm::cross(right, forward)});
     camera.verticalFovRadians = look.fovDegrees * kRadiansPerDegree;
     camera.widthPixels = look.width;
     camera.heightPixels = look.height;
     return camera;
 }
 
-// A picture, and where in the anchor's frame each of its pixels is. Rows top to bottom.
+// A picture, and where in the place's frame each of its pixels is. Rows top to bottom.
 struct Shot {
     FrameFacts facts;
     Camera camera;
-    glm::dvec3 sun; // direction, in the anchor's frame
+    glm::dvec3 sun; // direction, in the place's frame
     Picture picture;
     std::vector<float> visibility, depth, cascade, tile;
     std::vector<glm::dvec3> position, normal;
@@ -172,13 +172,13 @@ struct Shot {
     }
 };
 
-inline Shot shotOf(FrameRenderer& renderer, const Scene& scene, const FrameRequest& request,
-                   FrameFacts facts) {
+inline Shot shotOf(FrameRenderer& renderer, const Transform<Ecef, Enu>& ecefFromPlace,
+                   const FrameRequest& request, FrameFacts facts) {
     Shot shot;
     shot.facts = std::move(facts);
     shot.camera = request.camera;
-    const Transform<Enu, Ecef> anchorFromEcef = rigidInverse(scene.ecefFromAnchor);
-    shot.sun = anchorFromEcef(request.sun.towards).xyz;
+    const Transform<Enu, Ecef> placeFromEcef = rigidInverse(ecefFromPlace);
+    shot.sun = placeFromEcef(request.sun.towards).xyz;
     shot.picture = renderer.picture();
     shot.visibility = renderer.aov(Aov::Sun).values;
     shot.depth = renderer.aov(Aov::Depth).values;
@@ -186,8 +186,8 @@ inline Shot shotOf(FrameRenderer& renderer, const Scene& scene, const FrameReque
     shot.tile = renderer.aov(Aov::Tile).values;
     const std::vector<float> normals = renderer.aov(Aov::Normal).values;
     const Camera& c = request.camera;
-    const glm::dmat3 anchorFromEye =
-        anchorFromEcef.axes() * ecefFromEnu(geodeticOf(c.position)).axes();
+    const glm::dmat3 placeFromEye =
+        placeFromEcef.axes() * ecefFromEnu(geodeticOf(c.position)).axes();
     for (int y = 0; y < c.heightPixels; ++y)
         for (int x = 0; x < c.widthPixels; ++x) {
             const std::size_t i = shot.position.size();
@@ -196,9 +196,9 @@ inline Shot shotOf(FrameRenderer& renderer, const Scene& scene, const FrameReque
             const double d = std::isfinite(shot.depth[i]) ? double(shot.depth[i]) : 0.0;
             const Point<Ecef> p = c.position + d * (c.forward + u * c.tanHalfWidth() * c.right +
                                                     v * c.tanHalfHeight() * c.up);
-            shot.position.push_back(anchorFromEcef(p).xyz);
+            shot.position.push_back(placeFromEcef(p).xyz);
             shot.normal.push_back(
-                anchorFromEye * glm::dvec3(normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]));
+                placeFromEye * glm::dvec3(normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]));
         }
     return shot;
 }
@@ -212,7 +212,8 @@ class SmallScene {
         ShadowSettings shadows;
     };
     explicit SmallScene(const Shapes& shapes) : SmallScene(shapes, Options{}) {}
-    SmallScene(const Shapes& shapes, const Options& options) : shapes_(shapes), options_(options) {
+    SmallScene(const Shapes& shapes, const Options& options)
+        : shapes_(shapes), options_(options), ecefFromPlace_(ecefFromEnu(options.place)) {
         SceneOptions open;
         open.inputs = {folder_.write("scene.glb", shapes.glb())};
         open.placement = Placement{options.place, 0.0};
@@ -224,13 +225,10 @@ class SmallScene {
         options_.shadows = shadows;
         renderer_->setOptions(frameOptions());
     }
-    SunPosition sun(double azimuth, double elevation) const {
-        return sunFromAngles(azimuth, elevation, scene_->anchor);
-    }
     FrameRequest request(const Look& look, double azimuth, double elevation) const {
         FrameRequest request;
-        request.camera = cameraFor(*scene_, look);
-        request.sun = sun(azimuth, elevation);
+        request.camera = cameraFor(ecefFromPlace_, look);
+        request.sun = sunFromAngles(azimuth, elevation, options_.place);
         request.deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
         return request;
     }
@@ -238,7 +236,7 @@ class SmallScene {
         Result<FrameFacts> facts = renderer_->draw(request);
         if (!facts || !facts->complete)
             std::abort();
-        return shotOf(*renderer_, *scene_, request, *facts);
+        return shotOf(*renderer_, ecefFromPlace_, request, *facts);
     }
     Shot draw(const Look& look, double azimuth, double elevation) {
         return draw(request(look, azimuth, elevation));
@@ -263,6 +261,7 @@ class SmallScene {
     Folder folder_;
     Shapes shapes_;
     Options options_;
+    Transform<Ecef, Enu> ecefFromPlace_; // the scene's anchor may be another
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<FrameRenderer> renderer_;
 };

@@ -69,18 +69,18 @@ TEST(ShadowSettings, RefuseWhatIsNoneOfThemNamingTheChoicesAndChangingNothing) {
 
 TEST(ShadowSettings, AreDescribedWithEveryChoiceThatMatters) {
     ShadowSettings s;
-    EXPECT_EQ(describe(s), "csm+frontface+pcss:16,32");
+    EXPECT_EQ(describe(s), "csm+receiver-plane+pcss:16,32");
     s.filter = ShadowFilter::Pcf;
     s.pcfWidth = 5;
     s.cull = ShadowCull::None;
-    EXPECT_EQ(describe(s), "csm+cull-none+pcf:5");
+    EXPECT_EQ(describe(s), "csm+receiver-plane+pcf:5, cull none");
     s.method = ShadowMethod::Single;
     s.filter = ShadowFilter::Bilinear;
     s.cull = ShadowCull::Back;
-    EXPECT_EQ(describe(s), "single+cull-back+bilinear");
+    EXPECT_EQ(describe(s), "single+receiver-plane+bilinear, cull back");
     s.filter = ShadowFilter::None;
     s.cull = ShadowCull::Front;
-    EXPECT_EQ(describe(s), "single+cull-front+none");
+    EXPECT_EQ(describe(s), "single+receiver-plane+none, cull front");
     s.method = ShadowMethod::Off;
     EXPECT_EQ(describe(s), "off");
 }
