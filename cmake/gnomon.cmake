@@ -5,6 +5,14 @@ function(gnomon_library name)
   add_library(gnomon::${name} ALIAS gnomon_${name})
   gnomon_settings(gnomon_${name})
   set_target_properties(gnomon_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  install(TARGETS gnomon_${name} EXPORT gnomon ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  get_property(folders GLOBAL PROPERTY gnomon_installed_folders)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(NOT folder IN_LIST folders)
+    set_property(GLOBAL APPEND PROPERTY gnomon_installed_folders ${folder})
+    install(DIRECTORY . DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gnomon/${folder} FILES_MATCHING PATTERN "*.h"
+      PATTERN place EXCLUDE)
+  endif()
   target_include_directories(gnomon_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/gnomon>)

@@ -58,7 +58,7 @@ Shot drawReal(Scene& scene, FrameRenderer& renderer, const RealView& view) {
 
 Compared againstRays(const Scene& scene, const Shot& shot, const char* name) {
     const std::vector<Triangle> triangles = residentTriangles(scene);
-    const Compared c = compare(shot, {triangles, shot.sun}, {highest(triangles), 2.0, true});
+    const Compared c = compare(shot, {triangles, shot.sun}, {highest(triangles), 2.0, true, false});
     std::printf("[ measured ] %s: %zu triangles; lit %zu, dark %zu, edge %zu; false lit %zu, "
                 "false shadow %zu\n",
                 name, triangles.size(), c.lit, c.dark, c.edge, c.falseLit, c.falseShadow);
@@ -98,6 +98,7 @@ TEST(RealTiles, AmsterdamsShadowsAreThoseOfItsTriangles) {
         EXPECT_TRUE(shot.facts.missing.empty());
         const Compared c = againstRays(scene, shot, name);
         expectRight(c);
+        EXPECT_LT(double(c.edge), 0.2 * double(c.compared())) << name;
         EXPECT_GT(double(c.dark), 0.02 * double(c.compared())) << name;
         EXPECT_GT(double(c.lit), 0.1 * double(c.compared())) << name;
     }

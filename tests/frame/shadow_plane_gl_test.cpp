@@ -71,7 +71,7 @@ TEST(Planes, ShowNoAcneOnConvexBodies) {
         SmallScene scene(shapes);
         Acne all;
         for (const double elevation : kElevations)
-            for (const double azimuth : {90.0, 120.0, 180.0, 215.0, 265.0})
+            for (const double azimuth : {90.0, 180.0, 265.0})
                 for (const Look& look :
                      {Look{{18, -20, 18}, {0, 0, 4}}, Look{{-60, -5, 3}, {0, 0, 5}, 25}}) {
                     const Shot shot = scene.draw(look, azimuth, elevation);
@@ -96,7 +96,10 @@ TEST(Planes, ShowNoAcneWithAnyFilter) {
         scene.setShadows(settings);
         for (const double elevation : {2.0, 30.0, 75.0}) {
             const Shot shot = scene.draw({{18, -35, 25}, {0, 0, 4}}, 190, elevation);
-            const Acne acne = acneOf(shot, offTheGround);
+            // The widest box reaches four and a half texels down the wall to the ground.
+            const Acne acne = acneOf(shot, [](const Shot& s, std::size_t i) {
+                return s.position[i].z > 6.0 * s.texel(i);
+            });
             EXPECT_EQ(acne.wrong, 0u) << filter << " " << elevation << " worst " << acne.worst;
         }
     }

@@ -288,7 +288,8 @@ struct Compared {
 struct Margins {
     double topMetres = 10.0; // of the highest caster
     double texels = 2.0;
-    bool penumbra = true; // the filter spreads by the gap
+    bool penumbra = true;     // the filter spreads by the gap
+    bool footOnGround = true; // things stand on the ground at height 0
 };
 
 inline Compared compare(const Shot& shot, const SunRays& rays, const Margins& margins) {
@@ -310,6 +311,12 @@ inline Compared compare(const Shot& shot, const SunRays& rays, const Margins& ma
         }
         if (shot.cascade[i] == 255.0f) {
             ++out.beyond;
+            continue;
+        }
+        // The foot of a wall, where a map cannot tell it from the ground it stands on.
+        if (margins.footOnGround && shot.normal[i].z < 0.9 &&
+            shot.position[i].z < margins.texels * shot.texel(i)) {
+            ++out.edge;
             continue;
         }
         const double gap = std::max(margins.topMetres - shot.position[i].z, 0.0) / sinElevation;
