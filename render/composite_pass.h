@@ -14,7 +14,8 @@ namespace gnomon::render {
 class CompositePass {
   public:
     CompositePass();
-    void draw(const VisibilityPass& seen, const Texture& sunVisibility, const shader::LookBlock& look);
+    void draw(const VisibilityPass& seen, const Texture& sunVisibility,
+              const shader::LookBlock& look);
     // RGB8, sRGB, rows top to bottom.
     std::vector<std::uint8_t> read() const;
     // Into the framebuffer that is bound for the window, scaled to it.

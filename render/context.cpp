@@ -41,7 +41,8 @@ void GLAPIENTRY onDebugMessage(GLenum, GLenum type, GLuint, GLenum severity, GLs
 }
 
 bool has(const char* extensions, std::string_view name) {
-    return extensions != nullptr && std::string_view(extensions).find(name) != std::string_view::npos;
+    return extensions != nullptr &&
+           std::string_view(extensions).find(name) != std::string_view::npos;
 }
 
 bool isSoftwareName(std::string_view renderer) {
@@ -79,9 +80,9 @@ std::vector<Candidate> candidates(const ContextOptions& options) {
     const std::vector<EGLDeviceEXT> devices = eglDevices(client);
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const bool software = isSoftwareDevice(devices[i]);
-        const bool wanted = options.device ? (*options.device == int(i) ||
-                                              (*options.device == -1 && software))
-                                           : !software;
+        const bool wanted = options.device
+                                ? (*options.device == int(i) || (*options.device == -1 && software))
+                                : !software;
         if (wanted)
             list.push_back({eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr),
                             "EGL device " + std::to_string(i)});
@@ -112,10 +113,14 @@ std::string makeCurrent(EGLDisplay display, EGLContext& context) {
     EGLint count = 0;
     if (!eglChooseConfig(display, configAttributes, &config, 1, &count) || count == 0)
         return "has no OpenGL configuration";
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,       4,
-                                 EGL_CONTEXT_MINOR_VERSION,       5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_CONTEXT_OPENGL_DEBUG,        EGL_TRUE,
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_DEBUG,
+                                 EGL_TRUE,
                                  EGL_NONE};
     context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
     if (context == EGL_NO_CONTEXT)
@@ -175,8 +180,12 @@ Failure Context::checkAndSetUp(const ContextOptions& options) {
     return {};
 }
 
-bool Context::isSoftware() const { return isSoftwareName(renderer_); }
+bool Context::isSoftware() const {
+    return isSoftwareName(renderer_);
+}
 
-bool Context::lost() const { return glGetGraphicsResetStatus() != GL_NO_ERROR; }
+bool Context::lost() const {
+    return glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
 
 } // namespace gnomon::render

@@ -1,5 +1,5 @@
-// A GL 4.5 core context: without a window (EGL, Mesa's surfaceless platform or a device), or one that
-// a window brought. Refuses to start, by name, without what gnomon stands on.
+// A GL 4.5 core context: without a window (EGL, Mesa's surfaceless platform or a device), or one
+// that a window brought. Refuses to start, by name, without what gnomon stands on.
 #pragma once
 
 #include "geo/result.h"

@@ -52,8 +52,10 @@ Image fitted(const Image& image, int limit) {
                     for (int k = 0; k < 4; ++k) {
                         const int sx = std::min(2 * x + k % 2, out.width - 1);
                         const int sy = std::min(2 * y + k / 2, out.height - 1);
-                        sum += out.rgba[(std::size_t(sy) * std::size_t(out.width) + std::size_t(sx)) * 4 +
-                                        std::size_t(c)];
+                        sum +=
+                            out.rgba[(std::size_t(sy) * std::size_t(out.width) + std::size_t(sx)) *
+                                         4 +
+                                     std::size_t(c)];
                     }
                     half.rgba[(std::size_t(y) * std::size_t(half.width) + std::size_t(x)) * 4 +
                               std::size_t(c)] = std::uint8_t((sum + 2) / 4);

@@ -34,7 +34,7 @@ class GpuTile {
     const std::vector<GpuMesh>& meshes() const { return meshes_; }
     const GpuMaterial& material(const GpuMesh& mesh) const { return materials_[mesh.material]; }
     void bindTextures(const GpuMaterial& material) const;
-    const VertexArray& vertices() const { return vertices_; }          // all attributes
+    const VertexArray& vertices() const { return vertices_; }           // all attributes
     const VertexArray& positionsOnly() const { return positionsOnly_; } // for opaque depth
     const Texture& faceNormals() const { return faceNormals_; }
     std::size_t bytes() const { return bytes_; }
@@ -52,8 +52,8 @@ class GpuTile {
     std::size_t bytes_ = 0;
 };
 
-// A mesh to draw, and the number that stands for its tile in pictures; 0 for the ground, which is in
-// no tile.
+// A mesh to draw, and the number that stands for its tile in pictures; 0 for the ground, which is
+// in no tile.
 struct DrawItem {
     const GpuTile* tile = nullptr;
     const GpuMesh* mesh = nullptr;

@@ -9,7 +9,9 @@ void GpuTimer::start() {
     set();
 }
 
-void GpuTimer::mark() { set(); }
+void GpuTimer::mark() {
+    set();
+}
 
 void GpuTimer::set() {
     if (used_ == queries_.size()) {

@@ -5,12 +5,24 @@
 namespace gnomon::render {
 
 namespace detail {
-void destroyBuffer(unsigned id) { glDeleteBuffers(1, &id); }
-void destroyTexture(unsigned id) { glDeleteTextures(1, &id); }
-void destroyFramebuffer(unsigned id) { glDeleteFramebuffers(1, &id); }
-void destroyVertexArray(unsigned id) { glDeleteVertexArrays(1, &id); }
-void destroyQuery(unsigned id) { glDeleteQueries(1, &id); }
-void destroyProgram(unsigned id) { glDeleteProgram(id); }
+void destroyBuffer(unsigned id) {
+    glDeleteBuffers(1, &id);
+}
+void destroyTexture(unsigned id) {
+    glDeleteTextures(1, &id);
+}
+void destroyFramebuffer(unsigned id) {
+    glDeleteFramebuffers(1, &id);
+}
+void destroyVertexArray(unsigned id) {
+    glDeleteVertexArrays(1, &id);
+}
+void destroyQuery(unsigned id) {
+    glDeleteQueries(1, &id);
+}
+void destroyProgram(unsigned id) {
+    glDeleteProgram(id);
+}
 } // namespace detail
 
 Buffer makeBuffer(std::size_t bytes, const void* data) {
@@ -61,6 +73,8 @@ Texture makeTargetArray(unsigned format, int width, int height, int layers) {
     return Texture(id);
 }
 
-void bindTexture(unsigned unit, const Texture& texture) { glBindTextureUnit(unit, texture.id()); }
+void bindTexture(unsigned unit, const Texture& texture) {
+    glBindTextureUnit(unit, texture.id());
+}
 
 } // namespace gnomon::render

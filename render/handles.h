@@ -1,5 +1,5 @@
-// Move-only owners of GL objects. An empty handle has id 0 and owns nothing. No GL header is needed to
-// hold one; enums are passed as GL's own numbers by the .cpp files that use them.
+// Move-only owners of GL objects. An empty handle has id 0 and owns nothing. No GL header is needed
+// to hold one; enums are passed as GL's own numbers by the .cpp files that use them.
 #pragma once
 
 #include <cstddef>

@@ -76,6 +76,8 @@ Program::Program(std::string_view vertexFile, std::string_view fragmentFile,
     }
 }
 
-void Program::use() const { glUseProgram(handle_.id()); }
+void Program::use() const {
+    glUseProgram(handle_.id());
+}
 
 } // namespace gnomon::render

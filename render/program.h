@@ -12,7 +12,8 @@ class Program {
   public:
     Program() = default;
     // `define` is put into the fragment shader as `#define define`, when it is not empty.
-    Program(std::string_view vertexFile, std::string_view fragmentFile, std::string_view define = {});
+    Program(std::string_view vertexFile, std::string_view fragmentFile,
+            std::string_view define = {});
     void use() const;
     unsigned id() const { return handle_.id(); }
 

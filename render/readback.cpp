@@ -4,7 +4,8 @@
 
 namespace gnomon::render {
 
-void readTexture(const Texture& texture, unsigned format, unsigned type, std::size_t bytes, void* out) {
+void readTexture(const Texture& texture, unsigned format, unsigned type, std::size_t bytes,
+                 void* out) {
     glGetTextureImage(texture.id(), 0, format, type, int(bytes), out);
 }
 

@@ -10,7 +10,8 @@
 namespace gnomon::render {
 
 // `format` and `type` are GL's and must describe T × channels. `bytes` is the size of `out`.
-void readTexture(const Texture& texture, unsigned format, unsigned type, std::size_t bytes, void* out);
+void readTexture(const Texture& texture, unsigned format, unsigned type, std::size_t bytes,
+                 void* out);
 
 // Rows top to bottom (GL's are bottom to top).
 template <class T>

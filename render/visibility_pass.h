@@ -1,5 +1,5 @@
-// The first pass over what the camera sees: nearest surface, its depth, normals, colour and tile. The
-// passes after it shade each pixel once, whatever the scene's depth complexity.
+// The first pass over what the camera sees: nearest surface, its depth, normals, colour and tile.
+// The passes after it shade each pixel once, whatever the scene's depth complexity.
 #pragma once
 
 #include "geo/camera.h"

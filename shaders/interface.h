@@ -1,5 +1,5 @@
-// Structs and binding numbers that C++ and GLSL both compile. Blocks are std140: only vec4, ivec4 and
-// mat4 members, so that the layouts agree without padding rules to remember.
+// Structs and binding numbers that C++ and GLSL both compile. Blocks are std140: only vec4, ivec4
+// and mat4 members, so that the layouts agree without padding rules to remember.
 #ifndef GNOMON_SHADERS_INTERFACE_H
 #define GNOMON_SHADERS_INTERFACE_H
 
@@ -48,20 +48,20 @@ GNOMON_BLOCK(ViewBlock, BLOCK_VIEW) {
 // Everything the sun-visibility pass knows about the cascades. Lattice coordinates are texels from
 // the window's corner; see shadows/cascades.h.
 GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
-    vec4 toSun;                          // the meshes' axes; w: tan of the sun's angular radius
-    vec4 selection;                      // view depth = dot(xyz, p) + w, of the camera that cascades fit
-    vec4 eye;                            // xyz: that camera, relative to the surface's camera
-    vec4 fade;                           // x: range metres, y: fade metres, z: cascades, w: texels N
-    vec4 filter_;                        // x: box width in texels, z: blocker samples, w: filter samples
-    vec4 reach;                          // metres to the highest caster along a sun ray:
-                                         // dot(xyz, p) + w
-    vec4 axisX;                          // light axes along the meshes' (unit)
+    vec4 toSun;     // the meshes' axes; w: tan of the sun's angular radius
+    vec4 selection; // view depth = dot(xyz, p) + w, of the camera that cascades fit
+    vec4 eye;       // xyz: that camera, relative to the surface's camera
+    vec4 fade;      // x: range metres, y: fade metres, z: cascades, w: texels N
+    vec4 filter_;   // x: box width in texels, z: blocker samples, w: filter samples
+    vec4 reach;     // metres to the highest caster along a sun ray:
+                    // dot(xyz, p) + w
+    vec4 axisX;     // light axes along the meshes' (unit)
     vec4 axisY;
     vec4 axisZ;
-    vec4 cascadeOffset[MAX_CASCADES];    // xyz: lattice x, y (texels) and depth (metres above far) of
-                                         // the surface camera; w: texel metres
-    vec4 cascadeSplit[MAX_CASCADES];     // x: near, y: far, z: blend starts, w: depth range metres
-    vec4 cascadeOrigin[MAX_CASCADES];    // xy: window corner modulo N, z: bias metres
+    vec4 cascadeOffset[MAX_CASCADES]; // xyz: lattice x, y (texels) and depth (metres above far) of
+                                      // the surface camera; w: texel metres
+    vec4 cascadeSplit[MAX_CASCADES];  // x: near, y: far, z: blend starts, w: depth range metres
+    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: bias metres
 };
 
 // Light and look of the composite; all linear, exposure applied.

@@ -4,7 +4,6 @@
 
 #include <epoxy/gl.h>
 
-
 namespace gnomon {
 
 namespace {
@@ -155,7 +154,8 @@ std::uint32_t CascadePass::drawPage(const CascadeSet& set, const Cascade& cascad
             }
             if (item.tile != bound) {
                 bound = item.tile;
-                glBindVertexArray((alpha ? item.tile->vertices() : item.tile->positionsOnly()).id());
+                glBindVertexArray(
+                    (alpha ? item.tile->vertices() : item.tile->positionsOnly()).id());
             }
             if (alpha) {
                 item.tile->bindTextures(material);

@@ -28,8 +28,7 @@ Cascade fitOne(const CascadeInput& input, const ShadowSettings& settings, double
     const SliceSphere sphere = minimalSliceSphere(fitNear, farMetres, input.camera.tanHalfWidth(),
                                                   input.camera.tanHalfHeight());
     Cascade cascade;
-    const double texel =
-        2.0 * sphere.radiusMetres / double(settings.mapSize - 2 * kBorderTexels);
+    const double texel = 2.0 * sphere.radiusMetres / double(settings.mapSize - 2 * kBorderTexels);
     cascade.texelMetres = ladderUp(std::max(texel, kMinTexelMetres), kTexelStepsPerOctave);
     const Point<Ecef> centre =
         input.camera.position + sphere.centreDepthMetres * input.camera.forward;
@@ -97,7 +96,8 @@ void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound) {
                             cascade.farPlaneMetres + half);
     const Transform<Enu, Light> anchorFromLight = rigidInverse(bound.lightFromAnchor);
     const double lowest = anchorFromLight(Point<Light>{centre}).xyz.z - 2.0 * half;
-    // With the sun on the horizon or below it even a low caster may stand as far out as there are any.
+    // With the sun on the horizon or below it even a low caster may stand as far out as there are
+    // any.
     double top = bound.lightMaxMetres;
     if (bound.sinElevation > 0.0)
         top = cascade.farPlaneMetres + 2.5 * half + // above every receiver itself
@@ -154,8 +154,7 @@ glm::dvec3 windowFromLight(const Cascade& cascade, const glm::dvec3& light) {
 
 glm::dvec3 pageFromLight(const Cascade& cascade, const CascadePage& page, const glm::dvec3& light) {
     return {light.x / cascade.texelMetres - double(page.originX),
-            light.y / cascade.texelMetres - double(page.originY),
-            light.z - cascade.farPlaneMetres};
+            light.y / cascade.texelMetres - double(page.originY), light.z - cascade.farPlaneMetres};
 }
 
 LightBox lightBox(const Transform<Light, Ecef>& lightFromEcef, const OrientedBox& box) {

@@ -1,11 +1,12 @@
-// Cascades for a sun: which part of the view each covers, and the window of texels it is drawn into.
+// Cascades for a sun: which part of the view each covers, and the window of texels it is drawn
+// into.
 //
-// A cascade's texels are cells of a fixed lattice on the light's plane: cell (i, j) covers light x from
-// i·t to (i+1)·t, counted from the scene's anchor. The map is a window of N × N cells; cell (i, j) is
-// kept at texel (i mod N, j mod N), so that a camera that moves only uncovers strips of new cells and
-// the others stay the same bytes. The texel size t comes from a ladder, so that it seldom changes.
-// After Niedermayer; stable fit after Valient, "Stable rendering of cascaded shadow maps", 2008, with
-// the minimal sphere of a frustum slice.
+// A cascade's texels are cells of a fixed lattice on the light's plane: cell (i, j) covers light x
+// from i·t to (i+1)·t, counted from the scene's anchor. The map is a window of N × N cells; cell
+// (i, j) is kept at texel (i mod N, j mod N), so that a camera that moves only uncovers strips of
+// new cells and the others stay the same bytes. The texel size t comes from a ladder, so that it
+// seldom changes. After Niedermayer; stable fit after Valient, "Stable rendering of cascaded shadow
+// maps", 2008, with the minimal sphere of a frustum slice.
 #pragma once
 
 #include "geo/bounds.h"
@@ -44,8 +45,8 @@ struct Cascade {
 
 // Part of a map that is drawn at once: cells whose texel does not wrap.
 struct CascadePage {
-    std::int64_t originX = 0, originY = 0;         // lattice index at texel 0
-    int x = 0, y = 0, width = 0, height = 0;       // texels
+    std::int64_t originX = 0, originY = 0;   // lattice index at texel 0
+    int x = 0, y = 0, width = 0, height = 0; // texels
 };
 
 struct CascadeSet {
@@ -93,8 +94,8 @@ struct CascadePages {
 };
 CascadePages pagesOf(const Cascade& cascade, int mapSize);
 
-// Lattice coordinates of a point, counted from the window's corner (x, y: texels) and its height above
-// the far plane in metres (z). The one place where the big numbers cancel, in double.
+// Lattice coordinates of a point, counted from the window's corner (x, y: texels) and its height
+// above the far plane in metres (z). The one place where the big numbers cancel, in double.
 glm::dvec3 windowFromLight(const Cascade& cascade, const glm::dvec3& light);
 // The same counted from a page's corner.
 glm::dvec3 pageFromLight(const Cascade& cascade, const CascadePage& page, const glm::dvec3& light);

@@ -9,12 +9,12 @@
 namespace gnomon {
 
 enum class ShadowMethod { Off, Single, Cascades };
-// What keeps a surface from shading itself. ReceiverPlane: each texel is compared at its own centre with
-// the receiver's plane (shaders/sun.frag). FrontFace: the same, and of closed components the maps hold
-// the faces turned away from the sun.
+// What keeps a surface from shading itself. ReceiverPlane: each texel is compared at its own centre
+// with the receiver's plane (shaders/sun.frag). FrontFace: the same, and of closed components the
+// maps hold the faces turned away from the sun.
 enum class ShadowBias { ReceiverPlane, FrontFace };
-// Which faces of casters are left out of the maps. Auto: back faces of closed components, which nothing
-// sees from the sun; nothing of open ones. FrontOfClosed is FrontFace's.
+// Which faces of casters are left out of the maps. Auto: back faces of closed components, which
+// nothing sees from the sun; nothing of open ones. FrontOfClosed is FrontFace's.
 enum class ShadowCull { Auto, None, Front, Back, FrontOfClosed };
 enum class ShadowFilter { None, Bilinear, Pcf, Pcss };
 
@@ -28,8 +28,8 @@ struct ShadowSettings {
     int pcfWidth = 3;        // taps across, 1…9
     int blockerSamples = 16; // PCSS
     int filterSamples = 32;
-    int cascades = 4;        // 1…5
-    int mapSize = 2048;      // texels across, 512…8192
+    int cascades = 4;   // 1…5
+    int mapSize = 2048; // texels across, 512…8192
     double splitLambda = 0.85;
     std::optional<double> rangeMetres; // how far from the eye shadows reach; fitted when not given
     std::optional<double> fadeMetres;  // over the last of which they fade; a tenth of the range

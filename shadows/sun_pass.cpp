@@ -25,10 +25,12 @@ glm::vec4 filterBlock(const ShadowSettings& s) {
     return {};
 }
 
-glm::vec4 withW(const glm::dvec3& v, double w) { return glm::vec4(glm::dvec4(v, w)); }
+glm::vec4 withW(const glm::dvec3& v, double w) {
+    return glm::vec4(glm::dvec4(v, w));
+}
 
-// The depth map holds floats of [0, 1]: rounding of the vertex transform and the interpolation, a few
-// units in the last place near 1; and lattice rounding of a vertex seen through a 45° slope.
+// The depth map holds floats of [0, 1]: rounding of the vertex transform and the interpolation, a
+// few units in the last place near 1; and lattice rounding of a vertex seen through a 45° slope.
 double mapRounding(const Cascade& cascade, int mapSize) {
     constexpr double kUlp = 1.0 / (1 << 24);
     return 8.0 * kUlp * cascade.depthRangeMetres + 4.0 * kUlp * mapSize * cascade.texelMetres;
@@ -72,10 +74,11 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     // How far along a ray to the sun the highest caster can be: (top - height) / sin(elevation).
     const Transform<Enu, Light> anchorFromLight = rigidInverse(input.casters.lightFromAnchor);
     const double cameraHeight = anchorFromLight(Point<Light>{camera}).xyz.z;
-    const glm::dvec3 up = rigidInverse(set.lightFromEcef)(
-        input.casters.lightFromAnchor(Vector<Enu>{{0, 0, 1}})).xyz;
+    const glm::dvec3 up =
+        rigidInverse(set.lightFromEcef)(input.casters.lightFromAnchor(Vector<Enu>{{0, 0, 1}})).xyz;
     const double perMetre = 1.0 / std::max(input.casters.sinElevation, 1e-4);
-    block.reach = withW(stored * -up * perMetre, (input.casters.topMetres - cameraHeight) * perMetre);
+    block.reach =
+        withW(stored * -up * perMetre, (input.casters.topMetres - cameraHeight) * perMetre);
     return block;
 }
 
@@ -83,21 +86,20 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
 
 void SunPass::use(const ShadowSettings& settings, bool cascades) {
     const ShadowFilter filter = settings.filter;
-    render::Program& program = !cascades                       ? unshadowed_
+    render::Program& program = !cascades                      ? unshadowed_
                                : filter == ShadowFilter::None ? none_
                                : filter == ShadowFilter::Pcss ? pcss_
                                                               : box_;
     if (program.id() == 0)
         program = render::Program("fullscreen.vert", "sun.frag",
-                                  !cascades                       ? ""
+                                  !cascades                      ? ""
                                   : filter == ShadowFilter::None ? "FILTER_NONE"
                                   : filter == ShadowFilter::Pcss ? "FILTER_PCSS"
                                                                  : "FILTER_BOX");
     program.use();
 }
 
-SunPass::SunPass()
-    : block_(render::makeDynamicBuffer(sizeof(shader::SunBlock))) {
+SunPass::SunPass() : block_(render::makeDynamicBuffer(sizeof(shader::SunBlock))) {
     unsigned id = 0;
     glCreateVertexArrays(1, &id);
     empty_ = render::VertexArray(id);
@@ -142,7 +144,8 @@ std::vector<float> SunPass::readVisibility() const {
 }
 
 std::vector<std::uint8_t> SunPass::readCascades() const {
-    return render::readTopDown<std::uint8_t>(cascade_, width_, height_, 1, GL_RED, GL_UNSIGNED_BYTE);
+    return render::readTopDown<std::uint8_t>(cascade_, width_, height_, 1, GL_RED,
+                                             GL_UNSIGNED_BYTE);
 }
 
 } // namespace gnomon

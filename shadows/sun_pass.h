@@ -1,5 +1,5 @@
-// How much of the sun each seen surface gets, in screen space: sun.frag over the visibility pass and
-// the cascades' maps.
+// How much of the sun each seen surface gets, in screen space: sun.frag over the visibility pass
+// and the cascades' maps.
 #pragma once
 
 #include "render/handles.h"

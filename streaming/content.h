@@ -17,8 +17,8 @@ struct DecodeOptions {
     Transform<Ecef, Tile> ecefFromTile; // all transforms above the content, placement included
     UpAxis gltfUpAxis = UpAxis::Y;
     // The axes meshes are stored and cut along: orthonormal columns in ECEF. A scene gives those of
-    // its anchor, so that its floats are the same wherever on Earth it stands. Without: stored along
-    // ECEF's, cut along east, north, up.
+    // its anchor, so that its floats are the same wherever on Earth it stands. Without: stored
+    // along ECEF's, cut along east, north, up.
     std::optional<glm::dmat3> meshAxes;
     // Reads a file the content refers to by a relative uri (an external buffer or image).
     std::function<Result<Bytes>(const std::string& uri)> readUri;

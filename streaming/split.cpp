@@ -64,8 +64,9 @@ class Splitter {
           storedFromEcef_(meshAxes ? glm::transpose(*meshAxes) : glm::dmat3(1.0)) {
         const glm::dmat3 m = ecefFromTile.axes();
         const double sign = glm::determinant(m) < 0.0 ? -1.0 : 1.0;
-        normalAxes_ = sign * storedFromEcef_ * glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
-                                        glm::cross(m[0], m[1]));
+        normalAxes_ =
+            sign * storedFromEcef_ *
+            glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     }
 
     std::vector<Mesh> run() {
@@ -142,7 +143,7 @@ class Splitter {
 
     const Soup& soup_;
     const CleanSoup& clean_;
-    glm::dmat3 axes_;       // columns: the cutting axes in ECEF
+    glm::dmat3 axes_; // columns: the cutting axes in ECEF
     glm::dmat3 storedFromEcef_;
     glm::dvec3 centre_{0.0}; // of the mesh being built, from the content's origin, stored axes
     glm::dmat3 normalAxes_;  // turns the tile's normals into the stored axes, but for their length
@@ -262,8 +263,9 @@ Mesh Splitter::build(std::span<const Key> keys) {
     for (const std::uint32_t i : order) {
         const Soup::Triangle& t = clean_.triangles[i];
         const glm::dvec3& a = clean_.local[t.vertex[0]];
-        const glm::dvec3 face = storedFromEcef_ * glm::normalize(glm::cross(
-            clean_.local[t.vertex[1]] - a, clean_.local[t.vertex[2]] - a));
+        const glm::dvec3 face =
+            storedFromEcef_ * glm::normalize(glm::cross(clean_.local[t.vertex[1]] - a,
+                                                        clean_.local[t.vertex[2]] - a));
         const OctNormal oct = encodeOct(face);
         mesh.faceNormals.push_back(oct);
         for (int corner = 0; corner < 3; ++corner) {

@@ -37,15 +37,18 @@ double skyBrightness(double elevationDegrees) {
     return floor + 0.25 + 0.75 * std::pow(std::sin(elevationDegrees * kRadiansPerDegree), 0.6);
 }
 
-glm::vec4 rgb(const glm::dvec3& c, double w = 0.0) { return glm::vec4(glm::dvec4(c, w)); }
+glm::vec4 rgb(const glm::dvec3& c, double w = 0.0) {
+    return glm::vec4(glm::dvec4(c, w));
+}
 
 } // namespace
 
 double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres) {
     const double h = std::max(eyeHeightMetres, 0.0);
-    const double dip = std::acos(kEquatorialRadiusMetres / (kEquatorialRadiusMetres + h)) /
-                       kRadiansPerDegree;
-    return smoothstep(-0.5 * kSunDiameterDegrees, 0.5 * kSunDiameterDegrees, elevationDegrees + dip);
+    const double dip =
+        std::acos(kEquatorialRadiusMetres / (kEquatorialRadiusMetres + h)) / kRadiansPerDegree;
+    return smoothstep(-0.5 * kSunDiameterDegrees, 0.5 * kSunDiameterDegrees,
+                      elevationDegrees + dip);
 }
 
 shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
@@ -61,23 +64,30 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
     const glm::dvec3 warm = glm::mix(glm::dvec3(1.0), glm::pow(through, glm::dvec3(0.12)), low);
 
     // Seen from high up the horizon sinks: cos(dip) = R / (R + h).
-    const double cosDip = kEquatorialRadiusMetres / (kEquatorialRadiusMetres + std::max(height, 0.0));
+    const double cosDip =
+        kEquatorialRadiusMetres / (kEquatorialRadiusMetres + std::max(height, 0.0));
     const double dip = std::sqrt(1.0 - cosDip * cosDip);
-    // The eye opens with the square root of what the sky loses, up to twice: a low sun is still seen by.
+    // The eye opens with the square root of what the sky loses, up to twice: a low sun is still
+    // seen by.
     const double eye = std::min(1.0 / std::sqrt(sky), 2.0);
 
     shader::LookBlock look{};
-    look.sunDirection = rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
+    look.sunDirection =
+        rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
     look.localUp = rgb(stored * ellipsoidNormal(camera.position).xyz, height);
     const double aboveGround = std::max(height, 0.0);
     look.sunRadiance = rgb(eye * 3.0 * share * through, std::exp(-aboveGround / kHazeHeightMetres));
-    look.skyZenith = rgb(eye * sky * glm::dvec3(0.16, 0.30, 0.62), std::exp(-aboveGround / kAirHeightMetres));
+    look.skyZenith =
+        rgb(eye * sky * glm::dvec3(0.16, 0.30, 0.62), std::exp(-aboveGround / kAirHeightMetres));
     look.skyHorizon = rgb(eye * sky * glm::dvec3(0.62, 0.74, 0.88) * warm, dip);
     look.skyLightUp = rgb(eye * sky * glm::dvec3(0.50, 0.62, 0.80));
     look.groundBounce = rgb(eye * (sky * glm::dvec3(0.26, 0.26, 0.25) + 0.12 * share * through));
-    look.sunGlow = rgb(eye * 0.6 * sky * through * glm::dvec3(1.0, 0.9, 0.75) * (0.3 + 0.7 * share));
-    look.haze = rgb(eye * sky * glm::dvec3(0.55, 0.68, 0.84) * warm, 3.912 / 60000.0); // 60 km (Koschmieder)
-    // By day an unlit colour is shown as it is, in shadow at the share that the sky has of the light.
+    look.sunGlow =
+        rgb(eye * 0.6 * sky * through * glm::dvec3(1.0, 0.9, 0.75) * (0.3 + 0.7 * share));
+    look.haze = rgb(eye * sky * glm::dvec3(0.55, 0.68, 0.84) * warm,
+                    3.912 / 60000.0); // 60 km (Koschmieder)
+    // By day an unlit colour is shown as it is, in shadow at the share that the sky has of the
+    // light.
     look.unlitShade = glm::vec4(float(0.45 * std::min(sky, 1.0)), float(0.55 * share), 0.0f, 0.0f);
     return look;
 }

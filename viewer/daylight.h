@@ -1,5 +1,6 @@
-// Colours of sun, sky and haze for the sun's height: simple, monotone and continuous through sunset,
-// so that a flight through the day never jumps. Not a sky model; a plain look that agrees with the sun.
+// Colours of sun, sky and haze for the sun's height: simple, monotone and continuous through
+// sunset, so that a flight through the day never jumps. Not a sky model; a plain look that agrees
+// with the sun.
 #pragma once
 
 #include "geo/camera.h"
@@ -9,7 +10,8 @@
 namespace gnomon {
 
 // Directions come along `meshAxes` (columns, in ECEF), as the visibility pass has its normals.
-shader::LookBlock daylight(const SunPosition& sun, const Camera& camera, const glm::dmat3& meshAxes);
+shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
+                           const glm::dmat3& meshAxes);
 
 // Share of the sun's disc above the horizon of an eye at this height, 0…1.
 double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres);

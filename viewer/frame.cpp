@@ -83,7 +83,8 @@ std::vector<Selection> FrameRenderer::State::select(const FrameRequest& request,
     for (Layer& layer : scene.layers) {
         if (!request.waitForTiles) {
             layer.tileset->poll();
-            selections.push_back(gnomon::select(layer.tileset->tree(), views, {screenSpaceError, true}));
+            selections.push_back(
+                gnomon::select(layer.tileset->tree(), views, {screenSpaceError, true}));
             layer.tileset->request(selections.back().load);
             facts.complete = facts.complete && selections.back().complete();
             continue;
@@ -154,8 +155,9 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     if (shadows.method != ShadowMethod::Off) {
         const ShadowReach reach =
             shadowReach(s.scene, request.camera, request.sun, items, shadows, views.front());
-        const CascadeInput input{request.camera,   s.light(request),  s.meshAxes(),  reach.nearMetres,
-                                 reach.farMetres, reach.rangeMetres, reach.fadeMetres};
+        const CascadeInput input{request.camera,   s.light(request), s.meshAxes(),
+                                 reach.nearMetres, reach.farMetres,  reach.rangeMetres,
+                                 reach.fadeMetres};
         cascades = fitCascades(input, shadows);
         for (const Cascade& cascade : cascades.cascades)
             views.push_back(casterView(cascades, cascade));
@@ -181,8 +183,8 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     // 4. What the camera sees; 5. how much sun it gets; 6. the picture.
     facts.triangles = s.visibilityPass.draw(request.camera, items, s.meshAxes());
     s.timer.mark();
-    SunPassInput sunInput{request.camera, request.camera, request.sun.towards, nullptr, nullptr,
-                          casters, s.meshAxes()};
+    SunPassInput sunInput{request.camera, request.camera, request.sun.towards, nullptr,
+                          nullptr,        casters,        s.meshAxes()};
     if (!cascades.cascades.empty()) {
         sunInput.cascades = &cascades;
         sunInput.maps = &s.cascadePass;
@@ -219,8 +221,8 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
 FrameRenderer::FrameRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 FrameRenderer::~FrameRenderer() = default;
 
-Result<std::unique_ptr<FrameRenderer>>
-FrameRenderer::create(render::Context& context, Scene& scene, const FrameOptions& options) {
+Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(render::Context& context, Scene& scene,
+                                                             const FrameOptions& options) {
     std::unique_ptr<FrameRenderer> renderer(
         new FrameRenderer(std::make_unique<State>(context, scene)));
     renderer->state_->options = options;
@@ -237,7 +239,9 @@ void FrameRenderer::setOptions(const FrameOptions& options) {
         s.chooseGround();
 }
 
-std::optional<double> FrameRenderer::groundHeightMetres() const { return state_->groundHeight; }
+std::optional<double> FrameRenderer::groundHeightMetres() const {
+    return state_->groundHeight;
+}
 
 Picture FrameRenderer::picture() {
     return {state_->camera.widthPixels, state_->camera.heightPixels, state_->compositePass.read()};
@@ -247,8 +251,8 @@ FloatPicture FrameRenderer::aov(Aov which) {
     State& s = *state_;
     FloatPicture out{s.camera.widthPixels, s.camera.heightPixels, 1, {}};
     const int w = out.width, h = out.height;
-    const std::vector<float> depth = render::readTopDown<float>(s.visibilityPass.depth(), w, h, 1,
-                                                                GL_DEPTH_COMPONENT, GL_FLOAT);
+    const std::vector<float> depth =
+        render::readTopDown<float>(s.visibilityPass.depth(), w, h, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
     const auto isSky = [&](std::size_t i) { return depth[i] <= 0.0f; };
     switch (which) {
     case Aov::Sun:
@@ -282,8 +286,8 @@ FloatPicture FrameRenderer::aov(Aov which) {
             const auto signedOf = [&](std::size_t c) {
                 return std::int16_t(std::lround((oct[4 * i + c] / 65535.0 * 2.0 - 1.0) * 32767.0));
             };
-            const glm::dvec3 n = isSky(i) ? glm::dvec3(0.0)
-                                          : enuFromStored * decodeOct({signedOf(0), signedOf(1)});
+            const glm::dvec3 n =
+                isSky(i) ? glm::dvec3(0.0) : enuFromStored * decodeOct({signedOf(0), signedOf(1)});
             out.values.insert(out.values.end(), {float(n.x), float(n.y), float(n.z)});
         }
         break;
@@ -292,7 +296,9 @@ FloatPicture FrameRenderer::aov(Aov which) {
     return out;
 }
 
-const std::vector<std::string>& FrameRenderer::tileNames() const { return state_->cache.names(); }
+const std::vector<std::string>& FrameRenderer::tileNames() const {
+    return state_->cache.names();
+}
 
 void FrameRenderer::present(int windowWidth, int windowHeight) {
     state_->compositePass.present(windowWidth, windowHeight);

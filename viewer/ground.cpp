@@ -29,7 +29,8 @@ Point<Ecef> groundPoint(const Scene& scene, double heightMetres, double distance
     // A great circle on a sphere about the anchor's centre of curvature, put down on the ellipsoid.
     const Vector<Ecef> along = scene.ecefFromAnchor(sideways);
     const Vector<Ecef> up = scene.ecefFromAnchor(Vector<Enu>{{0, 0, 1}});
-    const Point<Ecef> anchor = ecefOf({scene.anchor.longitudeDegrees, scene.anchor.latitudeDegrees, 0.0});
+    const Point<Ecef> anchor =
+        ecefOf({scene.anchor.longitudeDegrees, scene.anchor.latitudeDegrees, 0.0});
     const Point<Ecef> sphere = anchor + (kMeanRadiusMetres * std::sin(arc)) * along +
                                (kMeanRadiusMetres * (std::cos(arc) - 1.0)) * up;
     Geodetic place = geodeticOf(sphere);
@@ -46,8 +47,8 @@ std::vector<double> ringRadii() {
 }
 
 // Rings [ring0, ring1] by sectors [sector0, sector1] as one mesh.
-Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<double>& radii, int ring0,
-                 int ring1, int sector0, int sector1) {
+Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<double>& radii,
+                 int ring0, int ring1, int sector0, int sector1) {
     std::vector<Point<Ecef>> points;
     for (int r = ring0; r <= ring1; ++r)
         for (int s = sector0; s <= sector1; ++s)
@@ -62,7 +63,8 @@ Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<doub
         mesh.radiusMetres = std::max(mesh.radiusMetres, length(p - mesh.origin));
     }
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        const glm::dvec3 n = glm::cross(points[b].xyz - points[a].xyz, points[c].xyz - points[a].xyz);
+        const glm::dvec3 n =
+            glm::cross(points[b].xyz - points[a].xyz, points[c].xyz - points[a].xyz);
         const double area = glm::length(n);
         if (area == 0.0) // the innermost ring's points coincide
             return;
@@ -83,8 +85,8 @@ Mesh groundPatch(const Scene& scene, double heightMetres, const std::vector<doub
 // A column of the Earth about the anchor, at a level of detail by the size of its pixels.
 View columnView(const Scene& scene, double halfWidthMetres, double pixelMetres) {
     View view;
-    for (const glm::dvec3 side : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0),
-                                  glm::dvec3(0, -1, 0)}) {
+    for (const glm::dvec3 side :
+         {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0)}) {
         const Vector<Ecef> inward = scene.ecefFromAnchor(Vector<Enu>{-side});
         view.planes.push_back({inward, scene.ecefFromAnchor(Point<Enu>{side * halfWidthMetres})});
     }

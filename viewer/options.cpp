@@ -115,9 +115,9 @@ void addScene(Command& command, SceneOptions& scene, bool required) {
     // A tile is held decoded and, about as large, on the GPU: half of the memory for each.
     const auto halfOf = [](std::int64_t mb) { return std::size_t(mb) << 19; };
     scene.loader.memoryBytes = halfOf(1024);
-    command.integer(
-        "--memory", "MB", "for tiles, decoded and on the GPU, at most [1024]", 16, 1 << 20,
-        [&scene, halfOf](std::int64_t mb) { scene.loader.memoryBytes = halfOf(mb); });
+    command.integer("--memory", "MB", "for tiles, decoded and on the GPU, at most [1024]", 16,
+                    1 << 20,
+                    [&scene, halfOf](std::int64_t mb) { scene.loader.memoryBytes = halfOf(mb); });
 }
 
 void addCamera(Command& command, PictureOptions& picture) {
@@ -259,8 +259,8 @@ void addCapture(Command& command, CaptureOptions& capture) {
         ->required();
     addScene(command, capture.picture.scene, true);
     addPicture(command, capture.picture, kCaptureScreenSpaceError);
-    command.app().add_flag_callback("--no-overlay", [] {},
-                                    "nothing is written over the picture; nor is it without");
+    command.app().add_flag_callback(
+        "--no-overlay", [] {}, "nothing is written over the picture; nor is it without");
     command.option("--frames", "A-B[:STEP]", "which frames [all of the camera path]",
                    [&capture](const std::string& text) -> Failure {
                        const Result<FrameRange> range = parseFrames(text);

@@ -58,8 +58,7 @@ void Orbit::resize(int widthPixels, int heightPixels) {
 Camera Orbit::camera() const {
     Camera camera = lens_;
     const Axes axes = axesFor(headingDegrees_, pitchDegrees_);
-    camera.position =
-        scene_.ecefFromAnchor(Point<Enu>{target_ - distanceMetres_ * axes.forward});
+    camera.position = scene_.ecefFromAnchor(Point<Enu>{target_ - distanceMetres_ * axes.forward});
     camera.right = scene_.ecefFromAnchor(Vector<Enu>{axes.right});
     camera.up = scene_.ecefFromAnchor(Vector<Enu>{axes.up});
     camera.forward = scene_.ecefFromAnchor(Vector<Enu>{axes.forward});

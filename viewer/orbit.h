@@ -1,5 +1,5 @@
-// A camera held by the hand: it looks at a target on the anchor's level and turns about it. No window
-// here; a window turns pointer motion into these calls.
+// A camera held by the hand: it looks at a target on the anchor's level and turns about it. No
+// window here; a window turns pointer motion into these calls.
 #pragma once
 
 #include "geo/camera.h"
@@ -23,7 +23,7 @@ class Orbit {
 
   private:
     const Scene& scene_;
-    Camera lens_; // field of view and size
+    Camera lens_;            // field of view and size
     glm::dvec3 target_{0.0}; // in the anchor's frame
     double headingDegrees_ = 0.0, pitchDegrees_ = -35.0, distanceMetres_ = 1.0;
 };

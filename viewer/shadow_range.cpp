@@ -12,8 +12,8 @@ namespace {
 // needed, farther costs resolution: so near is coarse and far is fine.
 constexpr int kNearStepsPerOctave = 2;
 constexpr int kFarStepsPerOctave = 8;
-// Without a range given, shadows reach this far, or this many times the nearest distance: the texels
-// of the last cascade then stay near the size of a pixel there.
+// Without a range given, shadows reach this far, or this many times the nearest distance: the
+// texels of the last cascade then stay near the size of a pixel there.
 constexpr double kDefaultRangeMetres = 5000.0;
 constexpr double kDefaultRangePerNear = 100.0;
 // Of the range, over which shadows fade where it cuts them off.
@@ -49,7 +49,8 @@ ShadowReach shadowReach(const Scene& scene, const Camera& camera, const SunPosit
     reach.nearMetres = ladderDown(std::max(nearest * corner, 1.0), kNearStepsPerOctave);
 
     // Nothing is shadowed farther out than the scene's own shadows fall.
-    const double fall = scene.heightMetres / std::max(std::tan(sun.elevationDegrees * kRadiansPerDegree), 0.02);
+    const double fall =
+        scene.heightMetres / std::max(std::tan(sun.elevationDegrees * kRadiansPerDegree), 0.02);
     const double sceneEnd =
         length(scene.ecefFromAnchor.origin() - camera.position) + scene.radiusMetres + fall;
     const double wanted = ladderUp(std::max(std::min(farthest, sceneEnd), 2.0 * reach.nearMetres),

@@ -1,5 +1,5 @@
-// How near and how far shadows are needed in this picture, and how high what casts them stands. Fitted
-// to every view by itself; steps of ladders keep it still while the camera moves a little.
+// How near and how far shadows are needed in this picture, and how high what casts them stands.
+// Fitted to every view by itself; steps of ladders keep it still while the camera moves a little.
 #pragma once
 
 #include "geo/camera.h"

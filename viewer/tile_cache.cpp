@@ -46,7 +46,8 @@ std::vector<render::DrawItem> TileCache::items(const std::vector<Selection>& sel
 
 void TileCache::evict(const std::vector<Selection>& selections) {
     for (std::size_t layer = 0; layer < selections.size(); ++layer)
-        for (const TileIndex dropped : scene_.layers[layer].tileset->evict(selections[layer].draw)) {
+        for (const TileIndex dropped :
+             scene_.layers[layer].tileset->evict(selections[layer].draw)) {
             const auto at = tiles_.find({layer, dropped});
             if (at == tiles_.end())
                 continue;

@@ -17,8 +17,8 @@ class TileCache {
   public:
     explicit TileCache(Scene& scene) : scene_(scene) {}
 
-    // Uploads what is not there yet (no more than `maximumUploads` tiles; the rest are left out) and
-    // gives the draw items in the order of the selections, one selection a layer.
+    // Uploads what is not there yet (no more than `maximumUploads` tiles; the rest are left out)
+    // and gives the draw items in the order of the selections, one selection a layer.
     std::vector<render::DrawItem> items(const std::vector<Selection>& selections,
                                         std::size_t maximumUploads);
     // Frees what the budget no longer holds; these selections stay.

@@ -1,4 +1,5 @@
-// `gnomon view`: a window on the scene. Draws when something changed: the hand, the tiles, the size.
+// `gnomon view`: a window on the scene. Draws when something changed: the hand, the tiles, the
+// size.
 #include "render/context.h"
 #include "viewer/commands.h"
 #include "viewer/image_file.h"
@@ -19,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kDegreesPerPixel = 0.25;
 constexpr double kZoomPerClick = 0.85;
-constexpr double kIdleSeconds = 0.25;     // between looks at the clock when nothing happens
+constexpr double kIdleSeconds = 0.25;      // between looks at the clock when nothing happens
 constexpr double kStreamingSeconds = 0.01; // while tiles are on their way
 
 class Viewer {
@@ -58,7 +59,8 @@ class Viewer {
         if (!context)
             return context.error();
         context_ = std::move(*context);
-        auto renderer = FrameRenderer::create(*context_, *scene_, frameOptionsFor(picture, *scene_));
+        auto renderer =
+            FrameRenderer::create(*context_, *scene_, frameOptionsFor(picture, *scene_));
         if (!renderer)
             return renderer.error();
         renderer_ = std::move(*renderer);
@@ -75,8 +77,7 @@ class Viewer {
                 window_->poll(redraw ? 0.0 : (streaming ? kStreamingSeconds : kIdleSeconds));
             redraw = follow(input) || streaming || redraw;
             const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-            const bool timeUp =
-                options_.quitAfterSeconds && seconds >= *options_.quitAfterSeconds;
+            const bool timeUp = options_.quitAfterSeconds && seconds >= *options_.quitAfterSeconds;
             if (redraw || timeUp) {
                 Result<FrameFacts> facts = draw();
                 if (!facts)

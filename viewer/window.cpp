@@ -95,7 +95,8 @@ int Window::height() const {
     return h;
 }
 
-
-void Window::swap() { glfwSwapBuffers(state_->window); }
+void Window::swap() {
+    glfwSwapBuffers(state_->window);
+}
 
 } // namespace gnomon

@@ -34,9 +34,8 @@ int main(int argc, char** argv) {
     above.heightMetres += 3.0 * all.radiusMetres;
     place(camera, above, {0.0, -90.0, 0.0});
     const View view = perspectiveView(camera);
-    const Settled settled =
-        settle(**tileset, std::span(&view, 1), {},
-               std::chrono::steady_clock::now() + std::chrono::seconds(30));
+    const Settled settled = settle(**tileset, std::span(&view, 1), {},
+                                   std::chrono::steady_clock::now() + std::chrono::seconds(30));
     std::printf("tiles %zu %s\n", settled.selection.draw.size(),
                 settled.complete ? "complete" : "incomplete");
 

@@ -180,8 +180,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"--heights", "geoid"}, Wrong{"--crs", ""}, Wrong{"--device", "gpu"}));
 
 TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
-    for (const char* option : {"--offline", "--cache", "--header", "--resume", "--shard",
-                               "--shadow-error", "--foo"}) {
+    for (const char* option :
+         {"--offline", "--cache", "--header", "--resume", "--shard", "--shadow-error", "--foo"}) {
         const Error error = refused({option});
         EXPECT_EQ(error.kind, ErrorKind::Usage);
         EXPECT_EQ(error.subject, option);

@@ -23,7 +23,9 @@ Camera lookingDown(const Scene& scene) {
     return camera;
 }
 
-double distance(Point<Ecef> a, Point<Ecef> b) { return length(a - b); }
+double distance(Point<Ecef> a, Point<Ecef> b) {
+    return length(a - b);
+}
 
 // Where the view axis meets the anchor's level.
 glm::dvec3 target(const Scene& scene, const Camera& camera) {
