@@ -70,7 +70,7 @@ TEST(Planes, ShowNoAcneOnConvexBodies) {
          {std::pair("house", house), std::pair("sheet", sheet), std::pair("dome", dome)}) {
         SmallScene scene(shapes);
         Acne all;
-        for (const double elevation : kElevations)
+        for (const double elevation : {1.0, 3.0, 10.0, 30.0, 60.0, 85.0, 90.0})
             for (const double azimuth : {90.0, 180.0, 265.0})
                 for (const Look& look :
                      {Look{{18, -20, 18}, {0, 0, 4}}, Look{{-60, -5, 3}, {0, 0, 5}, 25}}) {
