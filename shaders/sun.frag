@@ -32,9 +32,6 @@ const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368
 // its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
 // below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
-// A quad that is a plane and passes below is the neighbour up to this many times as steep: the ground
-// before a wall, under a sun 2° high.
-const float STEEP_NEIGHBOUR = 15.0;
 
 struct Receiver {
     int cascade;
@@ -75,8 +72,7 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     // texel for what rounding was not thought of.
     float doubt = 2.0 * r.tolerance * (abs(dx.x) + abs(dy.x)) + 0.02 * cascadeOffset[r.cascade].w;
     bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
-    float steepest = above ? 0.0 : planar ? STEEP_NEIGHBOUR : 1.0;
-    bvec4 clear = greaterThan(gap, steepest * neighbour);
+    bvec4 clear = planar ? bvec4(above) : greaterThan(gap, neighbour);
     says = vec4(not(before)) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
 }
