@@ -13,6 +13,7 @@ function(gnomon_library name)
     install(DIRECTORY . DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gnomon/${folder} FILES_MATCHING PATTERN "*.h"
       PATTERN place EXCLUDE)
   endif()
+  target_compile_features(gnomon_${name} PUBLIC cxx_std_20)
   target_include_directories(gnomon_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/gnomon>)

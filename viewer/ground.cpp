@@ -184,9 +184,11 @@ std::optional<double> findGroundHeight(Scene& scene) {
     constexpr double kTerrainShare = 0.7;
     if (sampled.upwardArea > kTerrainShare * sampled.footprint)
         return {};
-    const auto middle = sampled.lowest.begin() + std::ptrdiff_t(sampled.lowest.size() / 2);
-    std::nth_element(sampled.lowest.begin(), middle, sampled.lowest.end());
-    return *middle;
+    // A house a little sunk into the ground looks right, one that floats does not: three of four
+    // stand on it or in it.
+    const auto at = sampled.lowest.begin() + std::ptrdiff_t(3 * sampled.lowest.size() / 4);
+    std::nth_element(sampled.lowest.begin(), at, sampled.lowest.end());
+    return *at;
 }
 
 } // namespace gnomon

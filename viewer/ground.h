@@ -15,9 +15,10 @@ namespace gnomon {
 // axes.
 TileContent makeGround(const Scene& scene, double heightMetres);
 
-// The height on which the inputs' buildings stand: the median over them of their lowest points, in
-// the content nearest the anchor. None when the content brings ground of its own (terrain), which
-// shows in its upward area covering most of its footprint, or when there is no content at all.
+// The height on which the inputs' buildings stand: three quarters of their lowest points, in the
+// content nearest the anchor, lie below it. None when the content brings ground of its own
+// (terrain), which shows in its upward area covering most of its footprint, or when there is no
+// content at all.
 std::optional<double> findGroundHeight(Scene& scene);
 
 } // namespace gnomon

@@ -1,2 +1,2 @@
-include(${CMAKE_CURRENT_LIST_DIR}/content_tests.cmake OPTIONAL)
-include(${CMAKE_CURRENT_LIST_DIR}/tree_tests.cmake OPTIONAL)
+include(${CMAKE_CURRENT_LIST_DIR}/content_tests.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/tree_tests.cmake)
