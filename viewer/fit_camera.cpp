@@ -23,7 +23,7 @@ Camera fitCamera(const Scene& scene, int widthPixels, int heightPixels, double v
     // half angle, likewise upwards: each gives a least distance d, the farthest wins. The scene is
     // a cylinder on the anchor's level.
     const double radius = std::max(scene.radiusMetres, 1.0);
-    const double top = std::clamp(scene.heightMetres, 0.0, radius);
+    const double top = std::max(scene.heightMetres, 0.0);
     double distance = 0.0;
     constexpr int kAround = 64;
     for (int i = 0; i < 2 * kAround; ++i) {

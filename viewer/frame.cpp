@@ -57,6 +57,8 @@ struct FrameRenderer::State {
     std::vector<render::DrawItem> drawItems(const FrameRequest& request,
                                             const std::vector<Selection>& selections);
     void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
+    void noteCost(const CascadeSet& cascades, const std::vector<std::uint32_t>& drawn,
+                  FrameFacts& facts);
     glm::dmat3 meshAxes() const { return scene.ecefFromAnchor.axes(); }
     Transform<Light, Ecef> light(const FrameRequest& request) const {
         return lightFromEcef(scene.ecefFromAnchor, request.sun.towards);
@@ -129,6 +131,23 @@ void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, F
     facts.gpuBytes = cache.gpuBytes() + (ground ? ground->bytes() : 0);
 }
 
+// The timer's marks stand after each cascade, the visibility, the sun and the composite pass.
+void FrameRenderer::State::noteCost(const CascadeSet& cascades,
+                                    const std::vector<std::uint32_t>& drawn, FrameFacts& facts) {
+    facts.draws = visibilityPass.draws();
+    const std::vector<double> times = timer.milliseconds();
+    const std::size_t n = cascades.cascades.size();
+    facts.depthMs.assign(times.begin(), times.begin() + std::ptrdiff_t(n));
+    facts.visibilityMs = times[n];
+    facts.sunMs = times[n + 1];
+    facts.compositeMs = times[n + 2];
+    for (const double ms : times)
+        facts.gpuTotalMs += ms;
+    for (std::size_t i = 0; i < n; ++i)
+        facts.cascades.push_back({cascades.cascades[i].nearMetres, cascades.cascades[i].farMetres,
+                                  cascades.cascades[i].texelMetres, drawn[i]});
+}
+
 // ------------------------------------------------------------------------------------------------
 // What happens in a frame, in order.
 Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
@@ -196,18 +215,7 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.timer.mark();
     glFinish();
 
-    facts.draws = s.visibilityPass.draws();
-    std::vector<double> times = s.timer.milliseconds();
-    const std::size_t n = cascades.cascades.size();
-    facts.depthMs.assign(times.begin(), times.begin() + std::ptrdiff_t(n));
-    facts.visibilityMs = times[n];
-    facts.sunMs = times[n + 1];
-    facts.compositeMs = times[n + 2];
-    for (const double ms : times)
-        facts.gpuTotalMs += ms;
-    for (std::size_t i = 0; i < n; ++i)
-        facts.cascades.push_back({cascades.cascades[i].nearMetres, cascades.cascades[i].farMetres,
-                                  cascades.cascades[i].texelMetres, drawn[i]});
+    s.noteCost(cascades, drawn, facts);
     s.camera = request.camera;
     s.cache.evict(selections);
     if (s.context.lost())
