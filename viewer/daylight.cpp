@@ -55,7 +55,13 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
                            const glm::dmat3& meshAxes) {
     const glm::dmat3 stored = glm::transpose(meshAxes);
     const double e = sun.elevationDegrees;
-    const double height = geodeticOf(camera.position).heightMetres;
+    // In steps too small to see: the ellipsoid curves a little differently from place to place, and
+    // without them that would show in the last bit of a haze.
+    const auto stepped = [](double x, double step) { return std::round(x / step) * step; };
+    const double height = stepped(geodeticOf(camera.position).heightMetres, 0.25);
+    glm::dvec3 up = glm::transpose(meshAxes) * ellipsoidNormal(camera.position).xyz;
+    for (int i = 0; i < 3; ++i)
+        up[i] = stepped(up[i], 1e-5);
     const glm::dvec3 through = glm::exp(-kOpticalDepth * airMass(e));
     const double share = sunShareAboveHorizon(e, 0.0);
     const double sky = skyBrightness(e);
@@ -74,7 +80,7 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
     shader::LookBlock look{};
     look.sunDirection =
         rgb(stored * sun.towards.xyz, std::cos(0.5 * kSunDiameterDegrees * kRadiansPerDegree));
-    look.localUp = rgb(stored * ellipsoidNormal(camera.position).xyz, height);
+    look.localUp = rgb(up, height);
     const double aboveGround = std::max(height, 0.0);
     look.sunRadiance = rgb(eye * 3.0 * share * through, std::exp(-aboveGround / kHazeHeightMetres));
     look.skyZenith =
