@@ -184,6 +184,10 @@ bool Context::isSoftware() const {
     return isSoftwareName(renderer_);
 }
 
+void Context::finish() const {
+    glFinish();
+}
+
 bool Context::lost() const {
     return glGetGraphicsResetStatus() != GL_NO_ERROR;
 }

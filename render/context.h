@@ -29,6 +29,8 @@ class Context {
     const std::string& rendererName() const { return renderer_; }
     // True for llvmpipe and its like: no GPU is at work.
     bool isSoftware() const;
+    // Waits until all that was asked of the GPU is done.
+    void finish() const;
     // True once the driver lost the context (GL_KHR_robustness); nothing drawn since is valid.
     bool lost() const;
 

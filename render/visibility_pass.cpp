@@ -1,12 +1,12 @@
 #include "render/visibility_pass.h"
 
 #include "geo/view.h"
+#include "render/readback.h"
 #include "shaders/interface.h"
 
 #include <epoxy/gl.h>
 
-#include <array>
-#include <vector>
+#include <limits>
 
 namespace gnomon::render {
 
@@ -112,6 +112,22 @@ std::uint64_t VisibilityPass::draw(const Camera& camera, std::span<const DrawIte
         ++draws_;
     }
     return triangles;
+}
+
+std::vector<float> VisibilityPass::readViewDepth() const {
+    std::vector<float> depth =
+        readTopDown<float>(depth_, width_, height_, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
+    for (float& d : depth)
+        d = d <= 0.0f ? std::numeric_limits<float>::infinity() : float(kNearPlaneMetres) / d;
+    return depth;
+}
+
+std::vector<std::uint16_t> VisibilityPass::readNormals() const {
+    return readTopDown<std::uint16_t>(normals_, width_, height_, 4, GL_RGBA, GL_UNSIGNED_SHORT);
+}
+
+std::vector<std::uint32_t> VisibilityPass::readTiles() const {
+    return readTopDown<std::uint32_t>(tiles_, width_, height_, 1, GL_RED_INTEGER, GL_UNSIGNED_INT);
 }
 
 } // namespace gnomon::render

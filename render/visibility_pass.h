@@ -7,7 +7,9 @@
 #include "render/handles.h"
 #include "render/program.h"
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 namespace gnomon::render {
 
@@ -30,6 +32,12 @@ class VisibilityPass {
     const Texture& tiles() const { return tiles_; }     // R32UI
     const Buffer& viewBlock() const { return viewBlock_; }
     std::uint32_t draws() const { return draws_; }
+
+    // Rows top to bottom. Metres along the view axis, +inf sky; four oct components in 0…65535
+    // (geometric, shading); tile numbers, 0 none.
+    std::vector<float> readViewDepth() const;
+    std::vector<std::uint16_t> readNormals() const;
+    std::vector<std::uint32_t> readTiles() const;
 
   private:
     void resize(int width, int height);

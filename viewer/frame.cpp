@@ -3,7 +3,6 @@
 #include "render/composite_pass.h"
 #include "render/context.h"
 #include "render/gpu_timer.h"
-#include "render/readback.h"
 #include "render/visibility_pass.h"
 #include "shadows/cascade_pass.h"
 #include "shadows/light_basis.h"
@@ -12,8 +11,6 @@
 #include "viewer/ground.h"
 #include "viewer/shadow_range.h"
 #include "viewer/tile_cache.h"
-
-#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -213,7 +210,7 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.compositePass.draw(s.visibilityPass, s.sunPass.visibility(),
                          daylight(request.sun, request.camera, s.meshAxes()));
     s.timer.mark();
-    glFinish();
+    s.context.finish();
 
     s.noteCost(cascades, drawn, facts);
     s.camera = request.camera;
@@ -258,10 +255,8 @@ Picture FrameRenderer::picture() {
 FloatPicture FrameRenderer::aov(Aov which) {
     State& s = *state_;
     FloatPicture out{s.camera.widthPixels, s.camera.heightPixels, 1, {}};
-    const int w = out.width, h = out.height;
-    const std::vector<float> depth =
-        render::readTopDown<float>(s.visibilityPass.depth(), w, h, 1, GL_DEPTH_COMPONENT, GL_FLOAT);
-    const auto isSky = [&](std::size_t i) { return depth[i] <= 0.0f; };
+    const std::vector<float> depth = s.visibilityPass.readViewDepth();
+    const auto isSky = [&](std::size_t i) { return std::isinf(depth[i]); };
     switch (which) {
     case Aov::Sun:
         out.values = s.sunPass.readVisibility();
@@ -270,24 +265,20 @@ FloatPicture FrameRenderer::aov(Aov which) {
                 out.values[i] = -1.0f;
         break;
     case Aov::Depth:
-        for (const float d : depth)
-            out.values.push_back(d <= 0.0f ? std::numeric_limits<float>::infinity()
-                                           : float(render::kNearPlaneMetres) / d);
+        out.values = depth;
         break;
     case Aov::Cascade:
         for (const std::uint8_t c : s.sunPass.readCascades())
             out.values.push_back(float(c));
         break;
     case Aov::Tile: {
-        const auto ids = render::readTopDown<std::uint32_t>(s.visibilityPass.tiles(), w, h, 1,
-                                                            GL_RED_INTEGER, GL_UNSIGNED_INT);
+        const std::vector<std::uint32_t> ids = s.visibilityPass.readTiles();
         out.values.assign(ids.begin(), ids.end());
         break;
     }
     case Aov::Normal: {
         out.channels = 3;
-        const auto oct = render::readTopDown<std::uint16_t>(s.visibilityPass.normals(), w, h, 4,
-                                                            GL_RGBA, GL_UNSIGNED_SHORT);
+        const std::vector<std::uint16_t> oct = s.visibilityPass.readNormals();
         const glm::dmat3 enuFromStored =
             glm::transpose(ecefFromEnu(geodeticOf(s.camera.position)).axes()) * s.meshAxes();
         for (std::size_t i = 0; i < depth.size(); ++i) {
