@@ -7,19 +7,22 @@
 #include "render/program.h"
 #include "shadows/cascades.h"
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace gnomon {
 
+// A flag for each caster: drawn into the map or not.
+using DrawnCasters = std::vector<bool>;
+
 class CascadePass {
   public:
     CascadePass();
-    // Redraws every map in full; marks `timer` after each. Returns the meshes drawn into each.
-    std::vector<std::uint32_t> draw(const CascadeSet& set, ShadowCull cull,
-                                    std::span<const render::DrawItem> casters,
-                                    render::GpuTimer& timer);
+    // Redraws every map in full, as the settings' bias wants it; marks `timer` after each. Returns
+    // what was drawn into each.
+    std::vector<DrawnCasters> draw(const CascadeSet& set, const ShadowSettings& settings,
+                                   std::span<const render::DrawItem> casters,
+                                   render::GpuTimer& timer);
 
     const render::Texture& maps() const { return maps_; } // 32F array, kept modulo N
     std::size_t bytes() const;
@@ -28,9 +31,9 @@ class CascadePass {
 
   private:
     void resize(int mapSize, int count);
-    std::uint32_t drawPage(const CascadeSet& set, const Cascade& cascade, const CascadePage& page,
-                           ShadowCull cull, std::span<const render::DrawItem> casters,
-                           std::span<const LightBox> boxes);
+    void drawPage(const CascadeSet& set, const Cascade& cascade, const CascadePage& page,
+                  ShadowCull cull, std::span<const render::DrawItem> casters,
+                  std::span<const LightBox> boxes, DrawnCasters& drawn);
 
     render::Program opaque_, alphaTested_;
     render::Texture maps_;

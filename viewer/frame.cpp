@@ -39,6 +39,7 @@ struct FrameRenderer::State {
     FrameOptions options;
     TileCache cache;
     std::optional<double> groundHeight;
+    std::shared_ptr<const TileContent> groundContent;
     std::unique_ptr<render::GpuTile> ground;
 
     render::VisibilityPass visibilityPass;
@@ -46,7 +47,14 @@ struct FrameRenderer::State {
     SunPass sunPass;
     render::CompositePass compositePass;
     render::GpuTimer timer;
-    Camera camera; // of the frame drawn last
+    struct Last { // of the frame drawn last
+        Camera camera;
+        Camera surfaceCamera; // differs only where surfaces were kept
+        std::vector<Selection> selections;
+        std::vector<render::DrawItem> items;
+        CascadeSet cascades;
+        std::vector<DrawnCasters> drawn;
+    } last;
 
     void chooseGround();
     std::vector<Selection> select(const FrameRequest& request, std::span<const View> views,
@@ -54,8 +62,7 @@ struct FrameRenderer::State {
     std::vector<render::DrawItem> drawItems(const FrameRequest& request,
                                             const std::vector<Selection>& selections);
     void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
-    void noteCost(const CascadeSet& cascades, const std::vector<std::uint32_t>& drawn,
-                  FrameFacts& facts);
+    void noteCost(FrameFacts& facts);
     glm::dmat3 meshAxes() const { return scene.ecefFromAnchor.axes(); }
     Transform<Light, Ecef> light(const FrameRequest& request) const {
         return lightFromEcef(scene.ecefFromAnchor, request.sun.towards);
@@ -69,8 +76,9 @@ void FrameRenderer::State::chooseGround() {
     ground.reset();
     if (!groundHeight)
         return;
+    groundContent = std::make_shared<TileContent>(makeGround(scene, *groundHeight));
     std::vector<std::string> warnings;
-    ground = std::make_unique<render::GpuTile>(makeGround(scene, *groundHeight), warnings);
+    ground = std::make_unique<render::GpuTile>(*groundContent, warnings);
 }
 
 // What the views need, loaded; when the memory cannot hold it, at a larger error, which is said.
@@ -128,21 +136,22 @@ void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, F
     facts.gpuBytes = cache.gpuBytes() + (ground ? ground->bytes() : 0);
 }
 
-// The timer's marks stand after each cascade, the visibility, the sun and the composite pass.
-void FrameRenderer::State::noteCost(const CascadeSet& cascades,
-                                    const std::vector<std::uint32_t>& drawn, FrameFacts& facts) {
+// The timer's marks stand after the visibility pass, each map, the sun and the composite pass.
+void FrameRenderer::State::noteCost(FrameFacts& facts) {
     facts.draws = visibilityPass.draws();
     const std::vector<double> times = timer.milliseconds();
-    const std::size_t n = cascades.cascades.size();
-    facts.depthMs.assign(times.begin(), times.begin() + std::ptrdiff_t(n));
-    facts.visibilityMs = times[n];
-    facts.sunMs = times[n + 1];
-    facts.compositeMs = times[n + 2];
+    facts.visibilityMs = times.front();
+    facts.depthMs.assign(times.begin() + 1, times.end() - 2);
+    facts.sunMs = times[times.size() - 2];
+    facts.compositeMs = times.back();
     for (const double ms : times)
         facts.gpuTotalMs += ms;
-    for (std::size_t i = 0; i < n; ++i)
-        facts.cascades.push_back({cascades.cascades[i].nearMetres, cascades.cascades[i].farMetres,
-                                  cascades.cascades[i].texelMetres, drawn[i]});
+    for (std::size_t i = 0; i < last.cascades.cascades.size(); ++i) {
+        const Cascade& cascade = last.cascades.cascades[i];
+        facts.cascades.push_back(
+            {cascade.nearMetres, cascade.farMetres, cascade.texelMetres,
+             std::uint32_t(std::count(last.drawn[i].begin(), last.drawn[i].end(), true))});
+    }
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -190,17 +199,23 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     facts.screenSpaceError = screenSpaceError;
     s.noteTiles(selections, facts);
 
-    // 3. Depth of the casters seen from the sun, a map a cascade.
+    // 3. What the camera sees.
     s.timer.start();
-    std::vector<std::uint32_t> drawn;
-    if (!cascades.cascades.empty())
-        drawn = s.cascadePass.draw(cascades, cullOf(shadows), items, s.timer);
-
-    // 4. What the camera sees; 5. how much sun it gets; 6. the picture.
-    facts.triangles = s.visibilityPass.draw(request.camera, items, s.meshAxes());
+    if (!request.keepSurfaces) {
+        facts.triangles = s.visibilityPass.draw(request.camera, items, s.meshAxes());
+        s.last.surfaceCamera = request.camera;
+    }
     s.timer.mark();
-    SunPassInput sunInput{request.camera, request.camera, request.sun.towards, nullptr,
-                          nullptr,        casters,        s.meshAxes()};
+
+    // 4. Depth of the casters seen from the sun, a map a cascade.
+    s.last.drawn.clear();
+    if (!cascades.cascades.empty())
+        s.last.drawn = s.cascadePass.draw(cascades, shadows, items, s.timer);
+
+    // 5. How much sun each surface gets; 6. the picture.
+    SunPassInput sunInput{
+        s.last.surfaceCamera, request.camera, request.sun.towards, nullptr, nullptr, casters,
+        s.meshAxes()};
     if (!cascades.cascades.empty()) {
         sunInput.cascades = &cascades;
         sunInput.maps = &s.cascadePass;
@@ -208,13 +223,16 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.sunPass.draw(s.visibilityPass, sunInput, shadows);
     s.timer.mark();
     s.compositePass.draw(s.visibilityPass, s.sunPass.visibility(),
-                         daylight(request.sun, request.camera, s.meshAxes()));
+                         daylight(request.sun, s.last.surfaceCamera, s.meshAxes()));
     s.timer.mark();
     s.context.finish();
 
-    s.noteCost(cascades, drawn, facts);
-    s.camera = request.camera;
+    s.last.camera = request.camera;
+    s.last.cascades = std::move(cascades);
+    s.last.items = std::move(items);
+    s.noteCost(facts);
     s.cache.evict(selections);
+    s.last.selections = std::move(selections);
     if (s.context.lost())
         return Error{"OpenGL", "the graphics driver was reset", ErrorKind::Transient};
     facts.complete = facts.complete && !s.cache.leftOut();
@@ -249,12 +267,13 @@ std::optional<double> FrameRenderer::groundHeightMetres() const {
 }
 
 Picture FrameRenderer::picture() {
-    return {state_->camera.widthPixels, state_->camera.heightPixels, state_->compositePass.read()};
+    return {state_->last.camera.widthPixels, state_->last.camera.heightPixels,
+            state_->compositePass.read()};
 }
 
 FloatPicture FrameRenderer::aov(Aov which) {
     State& s = *state_;
-    FloatPicture out{s.camera.widthPixels, s.camera.heightPixels, 1, {}};
+    FloatPicture out{s.last.camera.widthPixels, s.last.camera.heightPixels, 1, {}};
     const std::vector<float> depth = s.visibilityPass.readViewDepth();
     const auto isSky = [&](std::size_t i) { return std::isinf(depth[i]); };
     switch (which) {
@@ -280,7 +299,7 @@ FloatPicture FrameRenderer::aov(Aov which) {
         out.channels = 3;
         const std::vector<std::uint16_t> oct = s.visibilityPass.readNormals();
         const glm::dmat3 enuFromStored =
-            glm::transpose(ecefFromEnu(geodeticOf(s.camera.position)).axes()) * s.meshAxes();
+            glm::transpose(ecefFromEnu(geodeticOf(s.last.camera.position)).axes()) * s.meshAxes();
         for (std::size_t i = 0; i < depth.size(); ++i) {
             const auto signedOf = [&](std::size_t c) {
                 return std::int16_t(std::lround((oct[4 * i + c] / 65535.0 * 2.0 - 1.0) * 32767.0));
@@ -293,6 +312,66 @@ FloatPicture FrameRenderer::aov(Aov which) {
     }
     }
     return out;
+}
+
+std::vector<ResidentTile> FrameRenderer::residentTiles() const {
+    const State& s = *state_;
+    std::vector<ResidentTile> tiles;
+    if (s.groundContent)
+        tiles.push_back({s.groundContent, 0});
+    for (std::size_t layer = 0; layer < s.last.selections.size(); ++layer)
+        for (const TileIndex index : s.last.selections[layer].draw)
+            if (auto content = s.scene.layers[layer].tileset->content(index))
+                if (const auto id = s.cache.idOf(layer, index))
+                    tiles.push_back({std::move(content), *id});
+    return tiles;
+}
+
+std::vector<std::vector<MeshId>> FrameRenderer::drawnCasters() const {
+    const State& s = *state_;
+    std::vector<std::vector<MeshId>> lists;
+    for (const DrawnCasters& drawn : s.last.drawn) {
+        std::vector<MeshId>& list = lists.emplace_back();
+        for (std::size_t i = 0; i < drawn.size(); ++i)
+            if (drawn[i])
+                list.push_back(
+                    {s.last.items[i].tileId,
+                     std::uint32_t(s.last.items[i].mesh - s.last.items[i].tile->meshes().data())});
+        std::sort(list.begin(), list.end());
+    }
+    return lists;
+}
+
+FloatPicture FrameRenderer::texels() {
+    State& s = *state_;
+    FloatPicture out{s.last.camera.widthPixels, s.last.camera.heightPixels, 1, {}};
+    const std::vector<std::uint8_t> which = s.sunPass.readCascades();
+    const std::vector<float> depth = s.visibilityPass.readViewDepth();
+    const std::vector<Cascade>& cascades = s.last.cascades.cascades;
+    for (std::size_t i = 0; i < which.size(); ++i) {
+        std::size_t c = which[i];
+        if (c >= cascades.size()) {
+            out.values.push_back(0.0f);
+            continue;
+        }
+        // Where two are mixed, the coarser.
+        if (depth[i] > cascades[c].blendStartMetres && c + 1 < cascades.size())
+            ++c;
+        out.values.push_back(float(cascades[c].texelMetres));
+    }
+    return out;
+}
+
+FloatPicture FrameRenderer::lampVisibility(std::size_t) {
+    return {};
+}
+
+FloatPicture FrameRenderer::lampTexels(std::size_t) {
+    return {};
+}
+
+glm::dmat3 FrameRenderer::meshAxes() const {
+    return state_->meshAxes();
 }
 
 const std::vector<std::string>& FrameRenderer::tileNames() const {

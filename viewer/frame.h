@@ -5,6 +5,7 @@
 #include "geo/camera.h"
 #include "geo/sun.h"
 #include "shadows/settings.h"
+#include "streaming/mesh.h"
 #include "viewer/scene.h"
 
 #include <array>
@@ -34,6 +35,9 @@ struct FrameRequest {
     SunPosition sun;
     std::chrono::steady_clock::time_point deadline; // for the tiles it needs
     bool waitForTiles = true; // capture: settle first; view: draw what is there
+    // The surfaces that the last frame saw are asked again, under this camera's shadow maps: what
+    // changes between the two answers flickers. Wants the same size of picture.
+    bool keepSurfaces = false;
 };
 
 struct CascadeFacts {
@@ -52,9 +56,20 @@ struct FrameFacts {
     std::uint64_t triangles = 0;
     std::uint32_t draws = 0;
     double selectMs = 0, uploadMs = 0, totalMs = 0; // CPU
-    std::vector<double> depthMs;                    // GPU, a value per cascade
+    std::vector<double> depthMs;                    // GPU, a value per map
     double visibilityMs = 0, sunMs = 0, compositeMs = 0, gpuTotalMs = 0;
     std::vector<CascadeFacts> cascades;
+};
+
+// A tile as it was drawn: what rays ask instead. `id` is the Tile picture's; 0 is the ground.
+struct ResidentTile {
+    std::shared_ptr<const TileContent> content;
+    std::uint32_t id = 0;
+};
+// A mesh of a tile, by the tile's id and the mesh's index in its content.
+struct MeshId {
+    std::uint32_t tile = 0, mesh = 0;
+    auto operator<=>(const MeshId&) const = default;
 };
 
 // Rows top to bottom.
@@ -86,6 +101,17 @@ class FrameRenderer {
     FloatPicture aov(Aov which);
     // Names for the ids in the Tile picture; index 0 is "".
     const std::vector<std::string>& tileNames() const;
+    // Of the last frame, for those who hold its shadows against rays:
+    std::vector<ResidentTile> residentTiles() const;
+    std::vector<std::vector<MeshId>> drawnCasters() const; // ascending, a list per cascade
+    FloatPicture
+    texels(); // metres across the texel a pixel's shadow is from, in the light's plane; 0 none
+    // The same as Aov::Sun and texels(), of a lamp by its index in the scene; 0 turned away or out
+    // of its range, -1 sky.
+    FloatPicture lampVisibility(std::size_t lamp);
+    FloatPicture lampTexels(std::size_t lamp);
+    glm::dmat3 meshAxes() const; // the contents' positions are along these (columns, in ECEF)
+
     void present(int windowWidth, int windowHeight); // into the window's framebuffer
 
   private:

@@ -105,9 +105,8 @@ struct CameraText {
 };
 
 void describe(std::ostringstream& out, const ShadowSettings& s) {
-    out << int(s.method) << ' ' << int(s.cull) << ' ' << int(s.filter) << ' ' << s.pcfWidth << ' '
-        << s.blockerSamples << ' ' << s.filterSamples << ' ' << s.cascades << ' ' << s.mapSize
-        << ' ' << s.splitLambda << ' ' << s.rangeMetres.value_or(-1) << ' '
+    out << describe(s) << ' ' << int(s.lamps) << ' ' << s.lampEdgeTexels << ' ' << s.cascades << ' '
+        << s.mapSize << ' ' << s.splitLambda << ' ' << s.rangeMetres.value_or(-1) << ' '
         << s.fadeMetres.value_or(-1) << ' ' << s.blendFraction << ' ' << s.lightDiameterDegrees
         << '\n';
 }

@@ -164,38 +164,9 @@ Failure parseGround(const std::string& text, PictureOptions& options) {
     return {};
 }
 
-namespace {
-
-Error named(const std::string& option, const Error& error) {
-    return usage(option, error.subject.empty() ? error.reason : error.subject + " " + error.reason);
-}
-
-} // namespace
-
 Failure parseShadows(const std::string& text, ShadowSettings& settings) {
-    const std::vector<std::string> parts = split(text, '+');
-    if (parts.size() > 3)
-        return usage("--shadows", "\"" + text +
-                                      "\" has more than three parts; a technique is "
-                                      "shadows+bias+filter");
-    const Result<ShadowMethod> method = parseShadowMethod(parts[0]);
-    if (!method)
-        return named("--shadows", method.error());
-    settings.method = *method;
-    std::size_t next = 1;
-    if (next < parts.size())
-        if (const Result<ShadowBias> bias = parseShadowBias(parts[next])) {
-            settings.bias = *bias;
-            ++next;
-        }
-    if (next < parts.size())
-        if (const Failure wrong = parseShadowFilter(parts[next++], settings))
-            return named("--shadows", *wrong);
-    if (next < parts.size())
-        return usage("--shadows", "\"" + parts[next] +
-                                      "\" is out of order; a technique is "
-                                      "shadows+bias+filter");
-    return {};
+    const Failure wrong = parseTechnique(text, settings);
+    return wrong ? Failure(usage("--shadows", wrong->subject + " " + wrong->reason)) : Failure{};
 }
 
 Failure parseHeights(const std::string& text, Heights& heights) {

@@ -160,16 +160,16 @@ void addShadows(Command& command, PictureOptions& picture) {
     // --shadows may name a whole technique; what is said besides wins, whatever the order. So the
     // library is told to call it first: options are handled in the order they are added.
     command.option("--shadows", "TECHNIQUE",
-                   "off, csm or single; or a whole technique, shadows+bias+filter: "
-                   "csm+receiver-plane+pcss:16,32 [csm]",
+                   "off, csm, single, plane-optimal, perspective; or a whole technique, "
+                   "shadows+bias+filter: csm+receiver-plane+pcss:16,32 (gnomon evaluate --list "
+                   "tells of each); for lamps paraboloid or cube [csm]",
                    [&shadows](const std::string& text) { return parseShadows(text, shadows); });
-    command.option("--bias", "BIAS", "receiver-plane or frontface [receiver-plane]",
+    command.option("--bias", "BIAS",
+                   "constant[:M], slope, normal, receiver-plane, frontface, midpoint, "
+                   "dual-peel[:M] or dual-atomic[:M] [receiver-plane]",
                    [&shadows](const std::string& text) -> Failure {
-                       const Result<ShadowBias> bias = parseShadowBias(text);
-                       if (!bias)
-                           return named("--bias", bias.error());
-                       shadows.bias = *bias;
-                       return {};
+                       const Failure wrong = parseShadowBias(text, shadows);
+                       return wrong ? named("--bias", *wrong) : Failure{};
                    });
     command.option("--cull", "FACES", "none, front or back [by bias and mesh]",
                    [&shadows](const std::string& text) -> Failure {
@@ -180,7 +180,8 @@ void addShadows(Command& command, PictureOptions& picture) {
                        return {};
                    });
     command.option("--filter", "FILTER",
-                   "none, bilinear, pcf:1..9 or pcss[:BLOCKERS,SAMPLES] [pcss:16,32]",
+                   "none, bilinear, jitter4, pcf:1..9, pcss[:BLOCKERS,SAMPLES] or pcss-ratio "
+                   "[pcss:16,32]",
                    [&shadows](const std::string& text) -> Failure {
                        const Failure wrong = parseShadowFilter(text, shadows);
                        return wrong ? named("--filter", *wrong) : Failure{};
@@ -192,12 +193,15 @@ void addShadows(Command& command, PictureOptions& picture) {
     command.number("--split-lambda", "L",
                    "0 (even) to 1 (logarithmic) splits" + byDefault(shadows.splitLambda), 0, 1,
                    [&shadows](double lambda) { shadows.splitLambda = lambda; });
-    command.option("--fit", "FIT", "stable: cascades keep to a fixed lattice of texels [stable]",
-                   [](const std::string& text) -> Failure {
-                       if (text == "stable")
-                           return {};
-                       return Error{"--fit", "\"" + text + "\" is not there; there is: stable",
-                                    ErrorKind::Usage};
+    command.option("--fit", "FIT",
+                   "stable: cascades keep to a lattice of texels and stand still; tight: fitted to "
+                   "what is seen, sharper, for stills [stable]",
+                   [&shadows](const std::string& text) -> Failure {
+                       const Result<ShadowFit> fit = parseShadowFit(text);
+                       if (!fit)
+                           return named("--fit", fit.error());
+                       shadows.fit = *fit;
+                       return {};
                    });
     command.number("--shadow-range", "M", "how far from the eye shadows reach [fitted]", 1e-3, 1e8,
                    [&shadows](double metres) { shadows.rangeMetres = metres; });

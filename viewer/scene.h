@@ -5,6 +5,7 @@
 #include "geo/crs.h"
 #include "geo/ellipsoid.h"
 #include "geo/time.h"
+#include "shadows/lamp.h"
 #include "streaming/loader.h"
 
 #include <memory>
@@ -71,6 +72,7 @@ struct Scene {
     double radiusMetres = 0; // of the layers' bounds about the anchor, seen from above
     double heightMetres = 0; // of what stands on the anchor's level
     std::vector<Problem> problems;
+    std::vector<Lamp> lamps;
     // From a scene file:
     std::optional<UtcTime> time;
     std::optional<SceneCamera> camera;

@@ -13,6 +13,11 @@ std::uint32_t TileCache::idOf(const Key& key) {
     return at->second;
 }
 
+std::optional<std::uint32_t> TileCache::idOf(std::size_t layer, TileIndex tile) const {
+    const auto at = ids_.find({layer, tile});
+    return at == ids_.end() ? std::nullopt : std::optional(at->second);
+}
+
 std::vector<render::DrawItem> TileCache::items(const std::vector<Selection>& selections,
                                                std::size_t maximumUploads) {
     std::vector<render::DrawItem> items;

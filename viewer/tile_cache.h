@@ -7,6 +7,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,8 @@ class TileCache {
     // Frees what the budget no longer holds; these selections stay.
     void evict(const std::vector<Selection>& selections);
 
+    // The number of a tile that was drawn.
+    std::optional<std::uint32_t> idOf(std::size_t layer, TileIndex tile) const;
     std::size_t gpuBytes() const { return gpuBytes_; }
     bool leftOut() const { return leftOut_; } // the last items() lacked tiles for maximumUploads
     const std::vector<std::string>& names() const { return names_; }

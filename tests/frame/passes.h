@@ -65,7 +65,7 @@ class Passes {
     // Maps for what was fitted last.
     void drawMaps(const ShadowSettings& settings) {
         timer_.start();
-        maps_.draw(set_, settings.cull, items_, timer_);
+        maps_.draw(set_, settings, items_, timer_);
     }
 
     struct Answer {

@@ -1,0 +1,19 @@
+// A lamp: a point that lights a half space or all round, and casts shadows.
+#pragma once
+
+#include "geo/frames.h"
+
+#include <glm/vec3.hpp>
+
+namespace gnomon {
+
+struct Lamp {
+    Point<Ecef> position;
+    // Unit: lights only the half space this points into, as a street lamp does. Zero: all round.
+    Vector<Ecef> facing{{0, 0, 0}};
+    double nearMetres = 0.05;  // what is nearer casts nothing: the lamp's own housing
+    double rangeMetres = 50.0; // its light has faded out there
+    glm::vec3 power{100.0f};   // linear; what reaches a surface facing it 1 m away
+};
+
+} // namespace gnomon
