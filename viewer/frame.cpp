@@ -7,6 +7,7 @@
 #include "shadows/cascade_pass.h"
 #include "shadows/light_basis.h"
 #include "shadows/sun_pass.h"
+#include "shadows/tight_fit.h"
 #include "viewer/daylight.h"
 #include "viewer/ground.h"
 #include "viewer/shadow_range.h"
@@ -61,6 +62,8 @@ struct FrameRenderer::State {
                                   double& screenSpaceError, FrameFacts& facts);
     std::vector<render::DrawItem> drawItems(const FrameRequest& request,
                                             const std::vector<Selection>& selections);
+    CascadeSet tightened(const CascadeInput& input, const ShadowSettings& shadows,
+                         const CasterBound& casters);
     void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
     void noteCost(FrameFacts& facts);
     glm::dmat3 meshAxes() const { return scene.ecefFromAnchor.axes(); }
@@ -120,6 +123,18 @@ FrameRenderer::State::drawItems(const FrameRequest& request,
     return items;
 }
 
+// The casters' tiles were chosen for the looser cascades, which hold these.
+CascadeSet FrameRenderer::State::tightened(const CascadeInput& input, const ShadowSettings& shadows,
+                                           const CasterBound& casters) {
+    const SeenReceivers seen =
+        seenReceivers(last.surfaceCamera, visibilityPass.readViewDepth(), input.lightFromEcef,
+                      casters.lightFromAnchor, input.farMetres);
+    CascadeSet set = fitTightCascades(input, shadows, seen, casters);
+    for (Cascade& cascade : set.cascades)
+        setDepthRange(cascade, set.mapSize, casters);
+    return set;
+}
+
 void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, FrameFacts& facts) {
     for (std::size_t i = 0; i < selections.size(); ++i) {
         const StreamedTileset& tileset = *scene.layers[i].tileset;
@@ -175,14 +190,14 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     facts.uploadMs = millisecondsSince(uploadStart);
 
     // 2. Cascades fitted to them, and the tiles that cast into these, in the picture or not.
+    CascadeInput input;
     CascadeSet cascades;
     CasterBound casters;
     if (shadows.method != ShadowMethod::Off) {
         const ShadowReach reach =
             shadowReach(s.scene, request.camera, request.sun, items, shadows, views.front());
-        const CascadeInput input{request.camera,   s.light(request), s.meshAxes(),
-                                 reach.nearMetres, reach.farMetres,  reach.rangeMetres,
-                                 reach.fadeMetres};
+        input = {request.camera,  s.light(request),  s.meshAxes(),    reach.nearMetres,
+                 reach.farMetres, reach.rangeMetres, reach.fadeMetres};
         cascades = fitCascades(input, shadows);
         for (const Cascade& cascade : cascades.cascades)
             views.push_back(casterView(cascades, cascade));
@@ -207,7 +222,10 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     }
     s.timer.mark();
 
-    // 4. Depth of the casters seen from the sun, a map a cascade.
+    // 4. Depth of the casters seen from the sun, a map a cascade; these fitted closer, if so
+    // wished, to what is seen.
+    if (!cascades.cascades.empty() && shadows.fit == ShadowFit::Tight)
+        cascades = s.tightened(input, shadows, casters);
     s.last.drawn.clear();
     if (!cascades.cascades.empty())
         s.last.drawn = s.cascadePass.draw(cascades, shadows, items, s.timer);
