@@ -85,6 +85,8 @@ class RayScene {
                        double radiusMetres) const;
 
   private:
+    friend struct Tracer;
+    friend struct Around;
     struct State;
     explicit RayScene(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "viewer/frame.h"
-#include "viewer/options.h"
 #include "viewer/scene.h"
 
 #include <optional>
@@ -30,13 +29,16 @@ std::span<const SceneDescription> sceneDescriptions();
 struct BenchScene {
     Scene scene;
     Camera camera;      // size and all; the default view
-    SunAngles sun;      // its default sun
+    SunAngles sun;      // its default sun, or the one asked for
     FrameOptions frame; // ground, lamps; shadows as shipped
     std::vector<Probe> probes;
 };
 
-// At `place` (default Cologne). Fails (Usage) naming the scenes when there is none of this name.
-Result<BenchScene> openBenchScene(const std::string& name,
-                                  const Geodetic& place = {6.96, 50.94, 55.0});
+inline constexpr Geodetic kDefaultPlace{6.96, 50.94, 55.0}; // Cologne
+
+// Probes are for `sun`, by default the scene's own; a sun below the
+// horizon has none. Fails (Usage) naming the scenes when there is none of this name.
+Result<BenchScene> openBenchScene(const std::string& name, const Geodetic& place = kDefaultPlace,
+                                  const std::optional<SunAngles>& sun = {});
 
 } // namespace gnomon::bench

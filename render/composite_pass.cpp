@@ -15,7 +15,7 @@ CompositePass::CompositePass()
 }
 
 void CompositePass::draw(const VisibilityPass& seen, const Texture& sunVisibility,
-                         const shader::LookBlock& look) {
+                         const shader::LookBlock& look, const Texture* lampLight) {
     if (width_ != seen.width() || height_ != seen.height()) {
         width_ = seen.width();
         height_ = seen.height();
@@ -35,7 +35,12 @@ void CompositePass::draw(const VisibilityPass& seen, const Texture& sunVisibilit
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     glViewport(0, 0, width_, height_);
     glDisable(GL_DEPTH_TEST);
-    program_.use();
+    if (lampLight != nullptr) {
+        if (lampProgram_.id() == 0)
+            lampProgram_ = Program("fullscreen.vert", "composite.frag", "LAMPS");
+        bindTexture(TEX_LAMP_LIGHT, *lampLight);
+    }
+    (lampLight != nullptr ? lampProgram_ : program_).use();
     glBindVertexArray(empty_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

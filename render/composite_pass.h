@@ -14,15 +14,16 @@ namespace gnomon::render {
 class CompositePass {
   public:
     CompositePass();
+    // `lampLight` (RGBA16F; null: none is lit) is added to the day's.
     void draw(const VisibilityPass& seen, const Texture& sunVisibility,
-              const shader::LookBlock& look);
+              const shader::LookBlock& look, const Texture* lampLight = nullptr);
     // RGB8, sRGB, rows top to bottom.
     std::vector<std::uint8_t> read() const;
     // Into the framebuffer that is bound for the window, scaled to it.
     void present(int windowWidth, int windowHeight) const;
 
   private:
-    Program program_;
+    Program program_, lampProgram_; // the second is compiled when first used
     Buffer lookBlock_;
     Texture color_;
     Framebuffer target_;

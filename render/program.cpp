@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -35,10 +36,18 @@ std::string expand(std::string_view file, int depth = 0) {
     return out;
 }
 
-unsigned compile(unsigned stage, std::string_view file, std::string_view define) {
+std::string defineLines(std::string_view words) {
+    std::string lines;
+    std::istringstream in{std::string(words)};
+    for (std::string word; in >> word;)
+        lines += "#define " + word + "\n";
+    return lines;
+}
+
+unsigned compile(unsigned stage, std::string_view file, std::string_view defines) {
     std::string source = expand(file);
-    if (!define.empty()) // after the first line, which is #version
-        source.insert(source.find('\n') + 1, "#define " + std::string(define) + "\n");
+    // After the first line, which is #version.
+    source.insert(source.find('\n') + 1, defineLines(defines));
     const char* text = source.c_str();
     const unsigned shader = glCreateShader(stage);
     glShaderSource(shader, 1, &text, nullptr);
@@ -57,10 +66,10 @@ unsigned compile(unsigned stage, std::string_view file, std::string_view define)
 } // namespace
 
 Program::Program(std::string_view vertexFile, std::string_view fragmentFile,
-                 std::string_view define)
+                 std::string_view defines)
     : handle_(glCreateProgram()) {
     const unsigned vertex = compile(GL_VERTEX_SHADER, vertexFile, {});
-    const unsigned fragment = compile(GL_FRAGMENT_SHADER, fragmentFile, define);
+    const unsigned fragment = compile(GL_FRAGMENT_SHADER, fragmentFile, defines);
     glAttachShader(handle_.id(), vertex);
     glAttachShader(handle_.id(), fragment);
     glLinkProgram(handle_.id());

@@ -11,9 +11,9 @@ namespace gnomon::render {
 class Program {
   public:
     Program() = default;
-    // `define` is put into the fragment shader as `#define define`, when it is not empty.
+    // Each word of `defines`, between blanks, is put into the fragment shader as `#define word`.
     Program(std::string_view vertexFile, std::string_view fragmentFile,
-            std::string_view define = {});
+            std::string_view defines = {});
     void use() const;
     unsigned id() const { return handle_.id(); }
 

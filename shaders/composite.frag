@@ -1,5 +1,6 @@
 #version 450 core
-// Light, haze, sky and tone: from what is seen and how much sun it gets to the picture.
+// Light, haze, sky and tone: from what is seen and how much sun it gets to the picture. With LAMPS, also
+// what lamps give it.
 #include "interface.h"
 #include "surface.glsl"
 
@@ -7,6 +8,9 @@ layout(binding = TEX_DEPTH) uniform sampler2D depthTexture;
 layout(binding = TEX_NORMALS) uniform sampler2D normalTexture;
 layout(binding = TEX_ALBEDO) uniform sampler2D albedoTexture; // sRGB, decoded by the sampler
 layout(binding = TEX_SUN) uniform sampler2D sunTexture;
+#ifdef LAMPS
+layout(binding = TEX_LAMP_LIGHT) uniform sampler2D lampTexture;
+#endif
 
 in vec2 ndc;
 layout(location = 0) out vec4 outColor; // linear; the target encodes sRGB
@@ -82,11 +86,16 @@ void main() {
     float up = dot(shading, localUp.xyz);
     float facing = max(dot(shading, sunDirection.xyz), 0.0);
     vec3 skyLight = mix(groundBounce.rgb, skyLightUp.rgb, 0.5 + 0.5 * up);
+    vec3 lamps = vec3(0.0);
+#ifdef LAMPS
+    lamps = texelFetch(lampTexture, pixel, 0).rgb;
+#endif
     vec3 color;
     if (albedo.a > 0.5) // unlit: its colours carry light and tone already; shadow takes the sun's share
-        color = albedo.rgb * (unlitShade.x + unlitShade.y * sun * smoothstep(0.0, 0.2, facing));
+        color = albedo.rgb *
+                min(unlitShade.x + unlitShade.y * sun * smoothstep(0.0, 0.2, facing) + toneMap(lamps), 1.0);
     else
-        color = toneMap(albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun));
+        color = toneMap(albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun + lamps));
 
     float distance = viewDepth(depth) * length(ray);
     color = mix(toneMap(haze.rgb), color, transmittance(direction, distance));

@@ -1,2 +1,5 @@
 #version 450 core
-void main() {}
+#include "interface.h"
+#include "depth_layers.glsl"
+
+void main() { keepLayer(); }

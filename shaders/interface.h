@@ -25,6 +25,8 @@ using mat4 = glm::mat4;
 #define BLOCK_VIEW 0
 #define BLOCK_SUN 1
 #define BLOCK_LOOK 2
+#define BLOCK_PROJECTIVE 3
+#define BLOCK_LAMP 4
 
 // Textures.
 #define TEX_BASE_COLOR 0
@@ -34,8 +36,18 @@ using mat4 = glm::mat4;
 #define TEX_ALBEDO 4
 #define TEX_CASCADES 5
 #define TEX_SUN 6
+#define TEX_PROJECTIVE 7
+#define TEX_LAMP_MAPS 10
+#define TEX_LAMP_PLANES 11
+#define TEX_LAMP_LIGHT 12
+
+// Images, while a map of two layers is drawn.
+#define IMAGE_FIRST_LAYER 0
+#define IMAGE_SECOND_LAYER 1
 
 #define MAX_CASCADES 5
+#define MAX_PROJECTIVE 8
+#define LAMP_GUARD_TEXELS 8 // shadows/paraboloid.h
 
 // How a pixel's surface is found again: camera-relative positions along the meshes' axes.
 GNOMON_BLOCK(ViewBlock, BLOCK_VIEW) {
@@ -61,7 +73,34 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
     vec4 cascadeOffset[MAX_CASCADES]; // xyz: lattice x, y (texels) and depth (metres above far) of
                                       // the surface camera; w: texel metres
     vec4 cascadeSplit[MAX_CASCADES];  // x: near, y: far, z: blend starts, w: depth range metres
-    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: bias metres
+    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: rounding of the map, w: bias,
+                                      // metres
+};
+
+// One lamp and its maps; its frame is shadows/paraboloid.h's.
+GNOMON_BLOCK(LampBlock, BLOCK_LAMP) {
+    vec4 lampX; // the lamp's axes along the meshes'; w: the surfaces' camera in the lamp's frame
+    vec4 lampY;
+    vec4 lampZ;
+    vec4 lampPower;     // rgb: exposure applied; w: 1 all round, 0 only ahead
+    vec4 lampReach;     // x: near, y: range, metres; z: texels across a map; w: box width, 0 nearest
+    vec4 lampLayers[2]; // of the texture array, a map each; of the second z: texels that edges bend
+};
+
+// Maps that follow the eye's perspective; see shadows/projective.h. A row over (x, y) on the plane that
+// the sun is normal to holds xy: the factors, z: the constant.
+GNOMON_BLOCK(ProjectiveBlock, BLOCK_PROJECTIVE) {
+    vec4 projectiveAxisX; // of that plane, along the meshes' axes (unit)
+    vec4 projectiveAxisY;
+    vec4 projectiveSize;                   // xy: texels of the texture, z: maps, w: cosine between
+                                           // the normals of a plane and of what may be part of it
+    vec4 projectiveX[MAX_PROJECTIVE];      // row: texels times w; w: texels of the map
+    vec4 projectiveY[MAX_PROJECTIVE];
+    vec4 projectiveW[MAX_PROJECTIVE];      // row; w: the least w
+    vec4 projectiveDepth[MAX_PROJECTIVE];  // metres towards the sun = dot(xyz, p) + w
+    vec4 projectivePlane[MAX_PROJECTIVE];  // of the receivers; 0: any
+    vec4 projectiveLimits[MAX_PROJECTIVE]; // x: tolerance metres, y: the same for each w,
+                                           // z: rounding of depth / w, w: stored is depth / w · this
 };
 
 // Light and look of the composite; all linear, exposure applied.
@@ -82,7 +121,9 @@ GNOMON_BLOCK(LookBlock, BLOCK_LOOK) {
 #undef GNOMON_BLOCK
 static_assert(sizeof(ViewBlock) == 112);
 static_assert(sizeof(SunBlock) == 16 * (9 + 3 * MAX_CASCADES));
+static_assert(sizeof(ProjectiveBlock) == 16 * (3 + 6 * MAX_PROJECTIVE));
 static_assert(sizeof(LookBlock) == 160);
+static_assert(sizeof(LampBlock) == 112);
 } // namespace gnomon::shader
 #endif
 

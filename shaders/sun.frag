@@ -1,7 +1,9 @@
 #version 450 core
-// Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_PCSS, or none of them when
-// there are no cascades. Variants, and loops where others would branch: a software rasteriser runs both
-// sides of a branch, but leaves a loop when no pixel of its group needs another round.
+// Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_JITTER, FILTER_PCSS (also with
+// PENUMBRA_RATIO), or none of them when there are no cascades; and with one of BIAS_CONSTANT, BIAS_SLOPE,
+// BIAS_NORMAL where one bias holds for all texels, none of them where each is compared with the receiver's
+// plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where others would branch: a software rasteriser runs both sides of a branch,
+// but leaves a loop when no pixel of its group needs another round.
 //
 // How much of the sun each pixel's surface sees, 0…1, in screen space: once a pixel, whatever the
 // scene's depth complexity. After Niedermayer (cascades, PCF, blend, fade) with the penumbra of a sun
@@ -19,7 +21,7 @@ layout(binding = TEX_CASCADES) uniform sampler2DArray cascadeMaps;
 
 in vec2 ndc;
 layout(location = 0) out float outVisibility;
-layout(location = 1) out float outCascade; // index / 255; 1 is none
+layout(location = 1) out float outCascade; // index / 255; 128 and more: projective.glsl's; 1 is none
 
 // A dense disc reads every texel below it; beyond this radius samples are spread instead.
 const float DENSE_RADIUS = 3.0;
@@ -32,15 +34,54 @@ const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368
 // its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
 // below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
+#if defined(BIAS_CONSTANT) || defined(BIAS_SLOPE) || defined(BIAS_NORMAL)
+#define ONE_BIAS
+#endif
+// A bias by the slope tends to infinity where the sun grazes: none is larger than at 84°.
+const float STEEPEST = 9.5;
 
 struct Receiver {
     int cascade;
     vec2 lattice;
     float depth;
+#ifdef ONE_BIAS
+    vec3 normal; // along the light's axes
+    float slope; // tan of the angle between it and the sun
+    float bias;  // a blocker stands higher than this, metres
+    float raise; // from the surface itself to there
+#else
     vec2 gradient; // of depth on the receiver's plane, metres a texel
-    float tolerance, toleranceSlope; // metres; and metres a texel of distance sideways
-    float reach;                     // metres to the farthest possible blocker
+    float toleranceSlope; // metres a texel of distance sideways
+#endif
+    float tolerance; // rounding, metres
+    float reach;     // metres to the farthest possible blocker
 };
+
+// The receiver for a filter that reads texels whose centres are no farther than radius + 1/2 from it, in x
+// and in y. So far off its plane has risen by the diagonal times its slope.
+Receiver biased(Receiver r, float radius) {
+#ifdef ONE_BIAS
+    float texel = cascadeOffset[r.cascade].w;
+    float diagonal = 1.41421356 * (radius + 0.5) * texel;
+    r.bias = r.tolerance;
+    r.raise = 0.0;
+#ifdef BIAS_CONSTANT
+    r.bias += cascadeOrigin[r.cascade].w;
+#endif
+#ifdef BIAS_SLOPE
+    r.bias += diagonal * min(r.slope, STEEPEST);
+#endif
+#ifdef BIAS_NORMAL
+    // Along the normal by diagonal * sin: the plane there is diagonal * tan nearer the sun.
+    float along = diagonal * length(r.normal.xy);
+    r.lattice += r.normal.xy * (along / texel);
+    r.depth += r.normal.z * along;
+    r.raise = r.normal.z * along;
+#endif
+    r.raise += r.bias;
+#endif
+    return r;
+}
 
 // The depths of the 2×2 texels whose lower left one is `corner`, clamped to the window, in the order
 // (0,1), (1,1), (1,0), (0,0) of textureGather. Asked for at the corner they share, where rounding in
@@ -61,6 +102,10 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec4 depth = gatherDepth(r.cascade, corner, base);
     dx = base.x + GATHER_X - r.lattice.x;
     dy = base.y + GATHER_Y - r.lattice.y;
+#ifdef ONE_BIAS
+    says = vec4(1.0);
+    return max(depth - (r.depth + r.bias), 0.0);
+#else
     vec4 gap = depth - (r.depth + r.gradient.x * dx + r.gradient.y * dy) - r.tolerance;
     vec4 neighbour = r.toleranceSlope * sqrt(dx * dx + dy * dy);
     bvec4 before = greaterThan(gap, vec4(0.0));
@@ -75,12 +120,52 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     bvec4 clear = planar ? bvec4(above) : greaterThan(gap, neighbour);
     says = vec4(not(before)) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
+#endif
 }
 
 vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
 
 // Of what was said. Where nothing is, a blocker touches: in a hollow the receiver's own face speaks.
 float share(float litSum, float total) { return total > 0.0 ? litSum / total : 0.0; }
+
+#if defined(FILTER_NONE) || defined(FILTER_JITTER)
+// The texel of one cell: 1 lit. What it says as above.
+float nearest(Receiver r, vec2 cell, out float says) {
+#ifdef ONE_BIAS
+    says = 1.0;
+    vec2 uv = (clamp(cell, vec2(0.0), vec2(fade.w - 1.0)) + 0.5 + cascadeOrigin[r.cascade].xy) / fade.w;
+    float depth = textureLod(cascadeMaps, vec3(uv, float(r.cascade)), 0.0).r * cascadeSplit[r.cascade].w;
+    return float(depth <= r.depth + r.bias);
+#else
+    vec4 dx, dy, all;
+    float shade = lit(gaps(r, cell, dx, dy, all)).w;
+    says = all.w;
+    return shade;
+#endif
+}
+
+#endif
+
+#ifdef FILTER_JITTER
+// Sixteen nearest texels, one somewhere in each cell of a 4×4 grid of texels about the receiver. Where is
+// decided by the lattice cell that the receiver is in, so that the pattern stays when the camera moves.
+float jittered(Receiver r) {
+    uvec2 cell = uvec2(mod(floor(r.lattice) + cascadeOrigin[r.cascade].xy, fade.w));
+    uint seed = cell.x * 0x9E3779B1u ^ cell.y * 0x85EBCA77u;
+    float sum = 0.0, total = 0.0;
+    for (int i = 0; i < 16; ++i) {
+        seed = seed * 747796405u + 2891336453u; // a step, and half of an output, of O'Neill's PCG
+        uint word = (seed >> 16) ^ seed;
+        vec2 within = vec2(word & 0xFFu, (word >> 8) & 0xFFu) * (1.0 / 256.0);
+        float says;
+        float shade = nearest(r, floor(r.lattice + vec2(i & 3, i >> 2) - 2.0 + within), says);
+        sum += says * shade;
+        total += says;
+    }
+    return share(sum, total);
+}
+
+#endif
 
 #ifdef FILTER_BOX
 // A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
@@ -143,26 +228,61 @@ struct Blockers {
     float count, gapSum, litCount;
 };
 
-void look(Receiver r, vec2 corner, inout Blockers found) {
+void look(Receiver r, vec2 corner, float radius, inout Blockers found) {
     vec4 dx, dy, says;
     vec4 gap = gaps(r, corner, dx, dy, says);
+#ifdef ONE_BIAS
+    // The bias is enough for texels this near only.
+    says *= vec4(lessThan(max(abs(dx), abs(dy)), vec4(radius + 0.5)));
+    vec4 blocks = says * vec4(greaterThan(gap, vec4(0.0)));
+    float count = dot(blocks, vec4(1.0));
+    found.gapSum += dot(gap, blocks) + count * r.raise;
+#else
     float count = dot(vec4(greaterThan(gap, vec4(0.0))), vec4(1.0));
-    found.count += count;
     found.gapSum += dot(gap, vec4(1.0));
+#endif
+    found.count += count;
     found.litCount += dot(says, vec4(1.0)) - count;
 }
 
-float pcss(Receiver r) {
+// Half the width, in texels, of the penumbra of a blocker so far before the receiver.
+float penumbra(Receiver r, float gap) {
     float texel = cascadeOffset[r.cascade].w;
-    // No caster stands higher than the highest, so no penumbra here is wider than this.
-    float search = max(r.reach * toSun.w / texel, 1.0);
+#ifdef PENUMBRA_RATIO
+    // As for a light at the near plane of the map, (receiver - blocker) / blocker · light's size, both
+    // distances from there. The size is the sun's as seen across the map's whole depth: right for a
+    // blocker on the far plane, by range / blocker's distance too wide for all others.
+    float range = cascadeSplit[r.cascade].w;
+    float blocker = max(range - r.depth - gap, 1e-3 * range);
+    return gap / blocker * range * toSun.w / texel;
+#else
+    return gap * toSun.w / texel;
+#endif
+}
+
+// None is wider here than this: no caster stands higher than the highest.
+float widestPenumbra(Receiver r) {
+    float texel = cascadeOffset[r.cascade].w;
+#ifdef PENUMBRA_RATIO
+    // A caster at the light itself would make it without bound; so far no engine's samples reach.
+    float range = cascadeSplit[r.cascade].w;
+    float ratio = min(r.reach / max(range - r.depth - r.reach, 1e-3 * range), 4.0);
+    return max(ratio * range * toSun.w / texel, 1.0);
+#else
+    return max(r.reach * toSun.w / texel, 1.0);
+#endif
+}
+
+float pcss(Receiver receiver) {
+    float search = widestPenumbra(receiver);
+    Receiver r = biased(receiver, search);
     Blockers found = Blockers(0.0, 0.0, 0.0);
     if (search <= DENSE_RADIUS) {
         vec2 first = floor(r.lattice - search - 0.5);
         int quads = int(ceil(search)) + 1;
         for (int j = 0; j < quads; ++j)
             for (int i = 0; i < quads; ++i)
-                look(r, first + 2.0 * vec2(i, j), found);
+                look(r, first + 2.0 * vec2(i, j), search, found);
     } else {
         // The spiral may miss what stands close by: four quads around the receiver come first.
         int count = int(filter_.z);
@@ -170,28 +290,21 @@ float pcss(Receiver r) {
         for (int i = -4; i < count; ++i, arm = GOLDEN_TURN * arm) {
             vec2 near = floor(r.lattice - 1.5) + 2.0 * vec2(i & 1, (i >> 1) & 1);
             vec2 wide = floor(r.lattice + sqrt(max(float(i), 0.0) + 0.5) * arm - 0.5);
-            look(r, i < 0 ? near : wide, found);
+            look(r, i < 0 ? near : wide, search, found);
         }
     }
     if (found.litCount == 0.0)
         return 0.0;
     if (found.count == 0.0)
         return 1.0;
-    float radius = clamp(found.gapSum / found.count * toSun.w / texel, 1.0, search);
+    float radius = clamp(penumbra(receiver, found.gapSum / found.count), 1.0, search);
+    r = biased(receiver, radius);
     return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
 }
 
 #endif
 
-#ifdef FILTER_NONE
-float nearest(Receiver r) {
-    vec4 dx, dy, says;
-    return lit(gaps(r, floor(r.lattice), dx, dy, says)).w;
-}
-
-#endif
-
-#if defined(FILTER_NONE) || defined(FILTER_BOX) || defined(FILTER_PCSS)
+#if defined(FILTER_NONE) || defined(FILTER_BOX) || defined(FILTER_JITTER) || defined(FILTER_PCSS)
 #define CASCADES
 float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance) {
     Receiver r;
@@ -203,25 +316,38 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
 
     vec3 n = vec3(dot(axisX.xyz, normal), dot(axisY.xyz, normal), dot(axisZ.xyz, normal));
     vec2 slope = -n.xy / max(n.z, 1e-3);
-    r.gradient = slope * texel;
     // Rounding, each term by where it comes from: the depth map's floats (from the CPU), the
     // receiver's position at this distance (along the ray, so off its plane), its lattice coordinate seen through the slope, and the
     // normal's 16 bits through the derivative of the slope.
     float steep2 = dot(slope, slope);
+#ifdef ONE_BIAS
+    r.normal = n;
+    r.slope = sqrt(steep2);
+    r.bias = r.raise = 0.0;
+#else
+    r.gradient = slope * texel;
+    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
+#endif
     r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
                   sqrt(steep2) * texel * fade.w * 2.4e-7;
-    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
-
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);
 
 #if defined(FILTER_NONE)
-    return nearest(r);
+    r = biased(r, 0.0);
+    float says;
+    return nearest(r, floor(r.lattice), says);
 #elif defined(FILTER_BOX)
-    return boxFilter(r, filter_.x);
+    return boxFilter(biased(r, 0.5 * filter_.x), filter_.x);
+#elif defined(FILTER_JITTER)
+    return jittered(biased(r, 2.0));
 #else
     return pcss(r);
 #endif
 }
+#endif
+
+#ifdef PROJECTIVE
+#include "projective.glsl"
 #endif
 
 void main() {
@@ -246,6 +372,17 @@ void main() {
     while (cascade < count && along > cascadeSplit[cascade].y)
         ++cascade;
     float kept = clamp((fade.x - distance) / fade.y, 0.0, 1.0);
+#ifdef PROJECTIVE
+    if (kept > 0.0 && horizon > 0.0) {
+        float map;
+        float seen = projectiveVisibility(position, normal, distance, map);
+        if (seen >= 0.0) {
+            outVisibility = horizon * mix(1.0, seen, kept);
+            outCascade = (128.0 + map) / 255.0;
+            return;
+        }
+    }
+#endif
     if (cascade == count || kept == 0.0)
         return;
     outCascade = float(cascade) / 255.0;

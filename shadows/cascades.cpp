@@ -106,6 +106,16 @@ void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound) {
     cascade.depthRangeMetres = ladderUp(top - cascade.farPlaneMetres, 2);
 }
 
+glm::dvec4 casterReach(const CasterBound& bound, const Transform<Light, Ecef>& lightFromEcef,
+                       const glm::dmat3& meshAxes, Point<Ecef> from) {
+    const Transform<Enu, Light> anchorFromLight = rigidInverse(bound.lightFromAnchor);
+    const double height = anchorFromLight(lightFromEcef(from)).xyz.z;
+    const glm::dvec3 up =
+        rigidInverse(lightFromEcef)(bound.lightFromAnchor(Vector<Enu>{{0, 0, 1}})).xyz;
+    const double perMetre = 1.0 / std::max(bound.sinElevation, 1e-4);
+    return {glm::transpose(meshAxes) * -up * perMetre, (bound.topMetres - height) * perMetre};
+}
+
 View casterView(const CascadeSet& set, const Cascade& cascade) {
     const Transform<Ecef, Light> ecefFromLight = rigidInverse(set.lightFromEcef);
     const double t = cascade.texelMetres;

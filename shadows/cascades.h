@@ -82,6 +82,10 @@ struct CasterBound {
     double lightMaxMetres = 0.0; // the largest light z of any caster
     Transform<Light, Enu> lightFromAnchor;
 };
+// How far along a ray to the sun the highest caster can be: (top - height) / sin(elevation), as a
+// row r: metres = dot(r, (p, 1)) of a p relative to `from`, along the meshes' axes.
+glm::dvec4 casterReach(const CasterBound& bound, const Transform<Light, Ecef>& lightFromEcef,
+                       const glm::dmat3& meshAxes, Point<Ecef> from);
 void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound);
 
 // The casters a cascade wants, as a view for selection: its window, open towards the sun.

@@ -223,11 +223,13 @@ Result<ShadowCull> parseShadowCull(const std::string& text) {
 }
 
 Result<ShadowFit> parseShadowFit(const std::string& text) {
+    if (text == "auto")
+        return ShadowFit::Auto;
     if (text == "stable")
         return ShadowFit::Stable;
     if (text == "tight")
         return ShadowFit::Tight;
-    return Error{"\"" + text + "\"", "is neither stable nor tight", ErrorKind::Usage};
+    return Error{"\"" + text + "\"", "is none of auto, stable, tight", ErrorKind::Usage};
 }
 
 Failure parseTechnique(const std::string& text, ShadowSettings& settings) {
@@ -302,7 +304,8 @@ std::string describe(const ShadowSettings& s) {
     static constexpr const char* kCulls[] = {"", ", cull none", ", cull front", ", cull back",
                                              ", cull front of closed"};
     out += kCulls[int(s.cull)];
-    return s.fit == ShadowFit::Tight ? out + ", fit tight" : out;
+    static constexpr const char* kFits[] = {"", ", fit stable", ", fit tight"};
+    return out + kFits[int(s.fit)];
 }
 
 ShadowCull cullOf(const ShadowSettings& settings) {

@@ -34,7 +34,8 @@ enum class ShadowCull { Auto, None, Front, Back, FrontOfClosed };
 enum class ShadowFilter { None, Bilinear, Jitter, Pcf, Pcss, PcssRatio };
 // Stable: spheres around the slices, still while the camera turns. Tight: the receivers really
 // seen; sharper, but its texels change with every frame.
-enum class ShadowFit { Stable, Tight };
+// Auto: tight for a picture that stands alone, stable for one of many in motion.
+enum class ShadowFit { Auto, Stable, Tight };
 // How lamps cast: one paraboloid map a hemisphere, or six faces of a cube.
 enum class LampMethod { Off, Paraboloid, Cube };
 
@@ -59,7 +60,7 @@ struct ShadowSettings {
     std::optional<double> fadeMetres;  // over the last of which they fade; a tenth of the range
     double blendFraction = 0.1;        // of a cascade, mixed with the next
     double lightDiameterDegrees = 0.533;
-    ShadowFit fit = ShadowFit::Stable;
+    ShadowFit fit = ShadowFit::Auto;
     int planes = 1; // of interest, PlaneOptimal
     LampMethod lamps = LampMethod::Paraboloid;
     // Paraboloid maps bend straight edges: triangles are cut until none is off by more than so many

@@ -2,6 +2,7 @@
 
 #include "render/readback.h"
 #include "shaders/interface.h"
+#include "shadows/bias.h"
 
 #include <epoxy/gl.h>
 
@@ -14,12 +15,14 @@ namespace {
 glm::vec4 filterBlock(const ShadowSettings& s) {
     switch (s.filter) {
     case ShadowFilter::None:
+    case ShadowFilter::Jitter:
         return {};
     case ShadowFilter::Bilinear:
         return {1, 0, 0, 0};
     case ShadowFilter::Pcf:
         return {float(s.pcfWidth), 0, 0, 0};
     case ShadowFilter::Pcss:
+    case ShadowFilter::PcssRatio:
         return {0, 0, float(s.blockerSamples), float(s.filterSamples)};
     }
     return {};
@@ -37,7 +40,7 @@ double mapRounding(const Cascade& cascade, int mapSize) {
 }
 
 void setCascade(shader::SunBlock& block, std::size_t i, const Cascade& cascade,
-                const glm::dvec3& cameraInLight, int mapSize) {
+                const glm::dvec3& cameraInLight, int mapSize, double biasMetres) {
     const glm::dvec3 offset = windowFromLight(cascade, cameraInLight);
     block.cascadeOffset[i] = withW(offset, cascade.texelMetres);
     block.cascadeSplit[i] =
@@ -45,7 +48,7 @@ void setCascade(shader::SunBlock& block, std::size_t i, const Cascade& cascade,
                   float(cascade.blendStartMetres), float(cascade.depthRangeMetres));
     const auto modulo = [&](std::int64_t a) { return float(((a % mapSize) + mapSize) % mapSize); };
     block.cascadeOrigin[i] = glm::vec4(modulo(cascade.cornerX), modulo(cascade.cornerY),
-                                       float(mapRounding(cascade, mapSize)), 0.0f);
+                                       float(mapRounding(cascade, mapSize)), float(biasMetres));
 }
 
 shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& settings) {
@@ -69,33 +72,62 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     block.axisZ = withW(rows[2], 0.0);
     const glm::dvec3 camera = set.lightFromEcef(input.surfaceCamera.position).xyz;
     for (std::size_t i = 0; i < set.cascades.size(); ++i)
-        setCascade(block, i, set.cascades[i], camera, set.mapSize);
+        setCascade(block, i, set.cascades[i], camera, set.mapSize,
+                   constantBiasMetres(settings, set.cascades[i].texelMetres));
 
-    // How far along a ray to the sun the highest caster can be: (top - height) / sin(elevation).
-    const Transform<Enu, Light> anchorFromLight = rigidInverse(input.casters.lightFromAnchor);
-    const double cameraHeight = anchorFromLight(Point<Light>{camera}).xyz.z;
-    const glm::dvec3 up =
-        rigidInverse(set.lightFromEcef)(input.casters.lightFromAnchor(Vector<Enu>{{0, 0, 1}})).xyz;
-    const double perMetre = 1.0 / std::max(input.casters.sinElevation, 1e-4);
-    block.reach =
-        withW(stored * -up * perMetre, (input.casters.topMetres - cameraHeight) * perMetre);
+    block.reach = glm::vec4(casterReach(input.casters, set.lightFromEcef, input.meshAxes,
+                                        input.surfaceCamera.position));
     return block;
+}
+
+const char* filterDefines(ShadowFilter filter) {
+    switch (filter) {
+    case ShadowFilter::None:
+        return "FILTER_NONE";
+    case ShadowFilter::Bilinear:
+    case ShadowFilter::Pcf:
+        return "FILTER_BOX";
+    case ShadowFilter::Jitter:
+        return "FILTER_JITTER";
+    case ShadowFilter::Pcss:
+        return "FILTER_PCSS";
+    case ShadowFilter::PcssRatio:
+        return "FILTER_PCSS PENUMBRA_RATIO";
+    }
+    return "";
+}
+
+const char* biasDefines(ShadowBias bias) {
+    switch (bias) {
+    case ShadowBias::ReceiverPlane:
+    case ShadowBias::FrontFace:
+        return "";
+    case ShadowBias::Slope:
+        return " BIAS_SLOPE";
+    case ShadowBias::Normal:
+        return " BIAS_NORMAL";
+    case ShadowBias::Constant: // of the layers it is 0: their maps are moved instead
+    case ShadowBias::Midpoint:
+    case ShadowBias::DualPeel:
+    case ShadowBias::DualAtomic:
+        return " BIAS_CONSTANT";
+    }
+    return "";
 }
 
 } // namespace
 
-void SunPass::use(const ShadowSettings& settings, bool cascades) {
-    const ShadowFilter filter = settings.filter;
-    render::Program& program = !cascades                      ? unshadowed_
-                               : filter == ShadowFilter::None ? none_
-                               : filter == ShadowFilter::Pcss ? pcss_
-                                                              : box_;
+void SunPass::use(const ShadowSettings& settings, const SunPassInput& input) {
+    std::string defines;
+    if (input.cascades != nullptr)
+        defines = std::string(filterDefines(settings.filter)) + biasDefines(settings.bias);
+    if (input.projective != nullptr) {
+        defines += " PROJECTIVE";
+        input.projective->bind();
+    }
+    render::Program& program = programs_[defines];
     if (program.id() == 0)
-        program = render::Program("fullscreen.vert", "sun.frag",
-                                  !cascades                      ? ""
-                                  : filter == ShadowFilter::None ? "FILTER_NONE"
-                                  : filter == ShadowFilter::Pcss ? "FILTER_PCSS"
-                                                                 : "FILTER_BOX");
+        program = render::Program("fullscreen.vert", "sun.frag", defines);
     program.use();
 }
 
@@ -134,7 +166,7 @@ void SunPass::draw(const render::VisibilityPass& seen, const SunPassInput& input
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     glViewport(0, 0, width_, height_);
     glDisable(GL_DEPTH_TEST);
-    use(settings, input.cascades != nullptr);
+    use(settings, input);
     glBindVertexArray(empty_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

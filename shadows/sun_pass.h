@@ -7,8 +7,11 @@
 #include "render/visibility_pass.h"
 #include "shadows/cascade_pass.h"
 #include "shadows/cascades.h"
+#include "shadows/projective_pass.h"
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace gnomon {
@@ -23,6 +26,8 @@ struct SunPassInput {
     const CascadePass* maps = nullptr;
     CasterBound casters;
     glm::dmat3 meshAxes{1.0}; // as `seen` was drawn with
+    // Asked before the cascades, of which there may then be none; wants `cascades` for the range.
+    const ProjectivePass* projective = nullptr;
 };
 
 class SunPass {
@@ -34,14 +39,14 @@ class SunPass {
     const render::Texture& visibility() const { return visibility_; } // R16, 1 lit
     // Rows top to bottom.
     std::vector<float> readVisibility() const;
-    std::vector<std::uint8_t> readCascades() const; // 255 none
+    std::vector<std::uint8_t> readCascades() const; // 128 and more: projective; 255 none
 
   private:
     void resize(int width, int height);
 
-    void use(const ShadowSettings& settings, bool cascades);
+    void use(const ShadowSettings& settings, const SunPassInput& input);
 
-    render::Program none_, box_, pcss_, unshadowed_; // compiled when first used
+    std::map<std::string, render::Program> programs_; // by their defines; compiled when first used
     render::Buffer block_;
     render::Texture visibility_, cascade_;
     render::Framebuffer target_;

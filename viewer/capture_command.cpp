@@ -100,7 +100,7 @@ class Capture {
     }
 
     Failure prepareDrawing() {
-        Result<Scene> scene = openScene(options_.picture.scene);
+        Result<Scene> scene = openAsked(options_.picture);
         if (!scene)
             return scene.error();
         scene_.emplace(std::move(*scene));
@@ -151,6 +151,7 @@ class Capture {
         FrameRequest request;
         request.camera = shot.camera;
         request.sun = shot.sun;
+        request.still = !shots_->moves();
         request.deadline =
             Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(options_.picture.timeoutSeconds));

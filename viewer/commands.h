@@ -9,6 +9,7 @@ namespace gnomon {
 int runView(const ViewOptions& options);
 int runCapture(const CaptureOptions& options);
 int runInfo(const InfoOptions& options);
+int runEvaluate(const EvaluateOptions& options);
 int runDemo(const DemoOptions& options);
 
 // `arguments` without the program's name.

@@ -43,6 +43,11 @@ glm::vec4 rgb(const glm::dvec3& c, double w = 0.0) {
 
 } // namespace
 
+double eyeOpening(double sunElevationDegrees) {
+    // With the square root of what the sky loses, up to twice: a low sun is still seen by.
+    return std::min(1.0 / std::sqrt(skyBrightness(sunElevationDegrees)), 2.0);
+}
+
 double sunShareAboveHorizon(double elevationDegrees, double eyeHeightMetres) {
     const double h = std::max(eyeHeightMetres, 0.0);
     const double dip =
@@ -73,9 +78,7 @@ shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
     const double cosDip =
         kEquatorialRadiusMetres / (kEquatorialRadiusMetres + std::max(height, 0.0));
     const double dip = std::sqrt(1.0 - cosDip * cosDip);
-    // The eye opens with the square root of what the sky loses, up to twice: a low sun is still
-    // seen by.
-    const double eye = std::min(1.0 / std::sqrt(sky), 2.0);
+    const double eye = eyeOpening(e);
 
     shader::LookBlock look{};
     look.sunDirection =

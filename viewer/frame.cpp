@@ -6,16 +6,20 @@
 #include "render/visibility_pass.h"
 #include "shadows/cascade_pass.h"
 #include "shadows/light_basis.h"
+#include "shadows/plane_maps.h"
+#include "shadows/projective_pass.h"
 #include "shadows/sun_pass.h"
 #include "shadows/tight_fit.h"
 #include "viewer/daylight.h"
 #include "viewer/ground.h"
+#include "viewer/lamps.h"
 #include "viewer/shadow_range.h"
 #include "viewer/tile_cache.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace gnomon {
 
@@ -30,10 +34,15 @@ double millisecondsSince(Clock::time_point start) {
 // A window uploads a few tiles a frame, so that it never stalls; a capture all it needs.
 constexpr std::size_t kWindowUploads = 4;
 
+bool fitsTightly(const ShadowSettings& shadows, const FrameRequest& request) {
+    return shadows.fit == ShadowFit::Tight || (shadows.fit == ShadowFit::Auto && request.still);
+}
+
 } // namespace
 
 struct FrameRenderer::State {
-    State(render::Context& gl, Scene& shown) : context(gl), scene(shown), cache(shown) {}
+    State(render::Context& gl, Scene& shown)
+        : context(gl), scene(shown), cache(shown), lamps(shown) {}
 
     render::Context& context;
     Scene& scene;
@@ -45,7 +54,9 @@ struct FrameRenderer::State {
 
     render::VisibilityPass visibilityPass;
     CascadePass cascadePass;
+    ProjectivePass projectivePass;
     SunPass sunPass;
+    LampLights lamps;
     render::CompositePass compositePass;
     render::GpuTimer timer;
     struct Last { // of the frame drawn last
@@ -54,7 +65,9 @@ struct FrameRenderer::State {
         std::vector<Selection> selections;
         std::vector<render::DrawItem> items;
         CascadeSet cascades;
-        std::vector<DrawnCasters> drawn;
+        std::vector<ProjectiveMap> projective; // relative to `camera`
+        glm::dvec3 towardsSun;                 // along the meshes' axes
+        std::vector<DrawnCasters> drawn;       // of the cascades, then of these
     } last;
 
     void chooseGround();
@@ -64,6 +77,12 @@ struct FrameRenderer::State {
                                             const std::vector<Selection>& selections);
     CascadeSet tightened(const CascadeInput& input, const ShadowSettings& shadows,
                          const CasterBound& casters);
+    std::vector<ProjectiveMap> projectiveMaps(const CascadeInput& input, const CascadeSet& cascades,
+                                              const ShadowSettings& shadows,
+                                              const CasterBound& casters);
+    std::vector<ResidentTile> residentTiles(const std::vector<Selection>& selections) const;
+    std::vector<LampCaster> lampCasters(std::span<const render::DrawItem> items,
+                                        const std::vector<Selection>& selections) const;
     void noteTiles(const std::vector<Selection>& selections, FrameFacts& facts);
     void noteCost(FrameFacts& facts);
     glm::dmat3 meshAxes() const { return scene.ecefFromAnchor.axes(); }
@@ -135,6 +154,29 @@ CascadeSet FrameRenderer::State::tightened(const CascadeInput& input, const Shad
     return set;
 }
 
+// Maps in the eye's perspective: for the planes most seen, or one for all.
+std::vector<ProjectiveMap> FrameRenderer::State::projectiveMaps(const CascadeInput& input,
+                                                                const CascadeSet& cascades,
+                                                                const ShadowSettings& shadows,
+                                                                const CasterBound& casters) {
+    const glm::dvec4 reach =
+        casterReach(casters, cascades.lightFromEcef, meshAxes(), input.camera.position);
+    if (shadows.method == ShadowMethod::Perspective) {
+        const auto map =
+            perspectiveMap({input.camera, meshAxes(), last.towardsSun, input.nearMetres,
+                            cascades.rangeMetres, reach, shadows.mapSize});
+        return map ? std::vector{*map} : std::vector<ProjectiveMap>();
+    }
+    const std::vector<float> depth = visibilityPass.readViewDepth();
+    const std::vector<std::uint16_t> normals = visibilityPass.readNormals();
+    return planeOptimalMaps({{last.surfaceCamera, meshAxes(), depth, normals},
+                             input.camera,
+                             last.towardsSun,
+                             reach,
+                             cascades.rangeMetres},
+                            shadows);
+}
+
 void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, FrameFacts& facts) {
     for (std::size_t i = 0; i < selections.size(); ++i) {
         const StreamedTileset& tileset = *scene.layers[i].tileset;
@@ -151,16 +193,32 @@ void FrameRenderer::State::noteTiles(const std::vector<Selection>& selections, F
     facts.gpuBytes = cache.gpuBytes() + (ground ? ground->bytes() : 0);
 }
 
-// The timer's marks stand after the visibility pass, each map, the sun and the composite pass.
+// The timer's marks stand after the visibility pass, each map, the sun, the lamps and the composite
+// pass.
 void FrameRenderer::State::noteCost(FrameFacts& facts) {
     facts.draws = visibilityPass.draws();
     const std::vector<double> times = timer.milliseconds();
     facts.visibilityMs = times.front();
-    facts.depthMs.assign(times.begin() + 1, times.end() - 2);
-    facts.sunMs = times[times.size() - 2];
+    // The second mark of a cascade, where it has two, stands after its resolve.
+    const auto perMap = std::size_t(CascadePass::marksPerMap(options.shadows));
+    std::size_t at = 1;
+    for (std::size_t i = 0; i < last.cascades.cascades.size(); ++i, at += perMap) {
+        facts.depthMs.push_back(times[at]);
+        facts.resolveMs += perMap == 2 ? times[at + 1] : 0.0;
+    }
+    for (; at + 3 < times.size(); ++at)
+        facts.depthMs.push_back(times[at]);
+    facts.sunMs = times[times.size() - 3];
+    facts.lampMs = times[times.size() - 2];
+    facts.lamps = std::uint32_t(lamps.live());
+    facts.lampMapsDrawn = std::uint32_t(lamps.mapsDrawn());
     facts.compositeMs = times.back();
     for (const double ms : times)
         facts.gpuTotalMs += ms;
+    facts.shadowBytes = (last.cascades.cascades.empty() ? 0 : cascadePass.bytes()) +
+                        (last.projective.empty() ? 0 : projectivePass.bytes()) + lamps.bytes();
+    facts.shadowRangeMetres = last.cascades.rangeMetres;
+    facts.shadowFadeMetres = last.cascades.fadeMetres;
     for (std::size_t i = 0; i < last.cascades.cascades.size(); ++i) {
         const Cascade& cascade = last.cascades.cascades[i];
         facts.cascades.push_back(
@@ -180,6 +238,9 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     if (sunShareAboveHorizon(request.sun.elevationDegrees,
                              geodeticOf(request.camera.position).heightMetres) == 0.0)
         shadows.method = ShadowMethod::Off;
+    const bool perspective = shadows.method == ShadowMethod::Perspective;
+    if (perspective)
+        shadows.cascades = 1; // finds the casters, and is not drawn
 
     // 1. The tiles that the camera sees, and how near and far their surfaces are.
     std::vector<View> views{perspectiveView(request.camera)};
@@ -189,7 +250,9 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     std::vector<render::DrawItem> items = s.drawItems(request, selections);
     facts.uploadMs = millisecondsSince(uploadStart);
 
-    // 2. Cascades fitted to them, and the tiles that cast into these, in the picture or not.
+    // 2. Cascades fitted to them, the lamps that are lit, and the tiles that cast into the maps of
+    // both, in the picture or not.
+    s.lamps.choose(request.camera, request.sun, shadows);
     CascadeInput input;
     CascadeSet cascades;
     CasterBound casters;
@@ -201,12 +264,17 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
         cascades = fitCascades(input, shadows);
         for (const Cascade& cascade : cascades.cascades)
             views.push_back(casterView(cascades, cascade));
+    }
+    s.lamps.addViews(views);
+    if (views.size() > 1) {
         const Clock::time_point selectStart = Clock::now();
         selections = s.select(request, views, screenSpaceError, facts);
         facts.selectMs += millisecondsSince(selectStart);
         uploadStart = Clock::now();
         items = s.drawItems(request, selections);
         facts.uploadMs += millisecondsSince(uploadStart);
+    }
+    if (!cascades.cascades.empty()) {
         casters = casterBound(s.scene, request.sun, cascades.lightFromEcef, items);
         for (Cascade& cascade : cascades.cascades)
             setDepthRange(cascade, cascades.mapSize, casters);
@@ -223,25 +291,43 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     s.timer.mark();
 
     // 4. Depth of the casters seen from the sun, a map a cascade; these fitted closer, if so
-    // wished, to what is seen.
-    if (!cascades.cascades.empty() && shadows.fit == ShadowFit::Tight)
+    // wished, to what is seen. And maps in the eye's perspective, for planes that are seen.
+    if (perspective)
+        cascades.cascades.clear();
+    if (!cascades.cascades.empty() && fitsTightly(shadows, request))
         cascades = s.tightened(input, shadows, casters);
     s.last.drawn.clear();
     if (!cascades.cascades.empty())
         s.last.drawn = s.cascadePass.draw(cascades, shadows, items, s.timer);
+    s.last.towardsSun = glm::transpose(s.meshAxes()) * request.sun.towards.xyz;
+    s.last.projective.clear();
+    if (perspective || shadows.method == ShadowMethod::PlaneOptimal)
+        s.last.projective = s.projectiveMaps(input, cascades, shadows, casters);
+    if (!s.last.projective.empty())
+        for (DrawnCasters& drawn :
+             s.projectivePass.draw({s.last.projective, request.camera, s.last.surfaceCamera,
+                                    s.meshAxes(), s.last.towardsSun},
+                                   shadows, items, s.timer))
+            s.last.drawn.push_back(std::move(drawn));
 
-    // 5. How much sun each surface gets; 6. the picture.
+    // 5. How much sun each surface gets; 6. what lamps give it; 7. the picture.
     SunPassInput sunInput{
         s.last.surfaceCamera, request.camera, request.sun.towards, nullptr, nullptr, casters,
         s.meshAxes()};
-    if (!cascades.cascades.empty()) {
+    if (shadows.method != ShadowMethod::Off)
         sunInput.cascades = &cascades;
+    if (!cascades.cascades.empty())
         sunInput.maps = &s.cascadePass;
-    }
+    if (!s.last.projective.empty())
+        sunInput.projective = &s.projectivePass;
     s.sunPass.draw(s.visibilityPass, sunInput, shadows);
     s.timer.mark();
+    if (s.lamps.live() > 0)
+        s.lamps.draw(s.visibilityPass, s.last.surfaceCamera, s.lampCasters(items, selections));
+    s.timer.mark();
     s.compositePass.draw(s.visibilityPass, s.sunPass.visibility(),
-                         daylight(request.sun, s.last.surfaceCamera, s.meshAxes()));
+                         daylight(request.sun, s.last.surfaceCamera, s.meshAxes()),
+                         s.lamps.light());
     s.timer.mark();
     s.context.finish();
 
@@ -333,16 +419,34 @@ FloatPicture FrameRenderer::aov(Aov which) {
 }
 
 std::vector<ResidentTile> FrameRenderer::residentTiles() const {
-    const State& s = *state_;
+    return state_->residentTiles(state_->last.selections);
+}
+
+std::vector<ResidentTile>
+FrameRenderer::State::residentTiles(const std::vector<Selection>& selections) const {
     std::vector<ResidentTile> tiles;
-    if (s.groundContent)
-        tiles.push_back({s.groundContent, 0});
-    for (std::size_t layer = 0; layer < s.last.selections.size(); ++layer)
-        for (const TileIndex index : s.last.selections[layer].draw)
-            if (auto content = s.scene.layers[layer].tileset->content(index))
-                if (const auto id = s.cache.idOf(layer, index))
+    if (groundContent)
+        tiles.push_back({groundContent, 0});
+    for (std::size_t layer = 0; layer < selections.size(); ++layer)
+        for (const TileIndex index : selections[layer].draw)
+            if (auto content = scene.layers[layer].tileset->content(index))
+                if (const auto id = cache.idOf(layer, index))
                     tiles.push_back({std::move(content), *id});
     return tiles;
+}
+
+std::vector<LampCaster>
+FrameRenderer::State::lampCasters(std::span<const render::DrawItem> items,
+                                  const std::vector<Selection>& selections) const {
+    std::map<std::uint32_t, std::shared_ptr<const TileContent>> contents;
+    for (ResidentTile& tile : residentTiles(selections))
+        contents.emplace(tile.id, std::move(tile.content));
+    std::vector<LampCaster> casters;
+    for (const render::DrawItem& item : items)
+        if (const auto at = contents.find(item.tileId); at != contents.end())
+            casters.push_back(
+                {at->second, std::uint32_t(item.mesh - item.tile->meshes().data()), item.tile});
+    return casters;
 }
 
 std::vector<std::vector<MeshId>> FrameRenderer::drawnCasters() const {
@@ -366,8 +470,19 @@ FloatPicture FrameRenderer::texels() {
     const std::vector<std::uint8_t> which = s.sunPass.readCascades();
     const std::vector<float> depth = s.visibilityPass.readViewDepth();
     const std::vector<Cascade>& cascades = s.last.cascades.cascades;
+    const SeenSurfaces seen{s.last.surfaceCamera, s.meshAxes(), depth, {}};
+    const SurfaceReader read(seen);
+    const glm::dvec3 shift =
+        glm::transpose(s.meshAxes()) * (s.last.surfaceCamera.position - s.last.camera.position).xyz;
     for (std::size_t i = 0; i < which.size(); ++i) {
         std::size_t c = which[i];
+        if (c >= kFirstProjective && c - kFirstProjective < s.last.projective.size()) {
+            const int x = int(i) % out.width, y = int(i) / out.width;
+            out.values.push_back(
+                float(texelMetres(s.last.projective[c - kFirstProjective], s.last.towardsSun,
+                                  read.position(x, y) + shift)));
+            continue;
+        }
         if (c >= cascades.size()) {
             out.values.push_back(0.0f);
             continue;
@@ -380,11 +495,19 @@ FloatPicture FrameRenderer::texels() {
     return out;
 }
 
-FloatPicture FrameRenderer::lampVisibility(std::size_t) {
+FloatPicture FrameRenderer::lampVisibility(std::size_t lamp) {
+    State& s = *state_;
+    if (auto shadow = s.lamps.shadowOf(s.visibilityPass, lamp))
+        return {s.last.camera.widthPixels, s.last.camera.heightPixels, 1,
+                std::move(shadow->visibility)};
     return {};
 }
 
-FloatPicture FrameRenderer::lampTexels(std::size_t) {
+FloatPicture FrameRenderer::lampTexels(std::size_t lamp) {
+    State& s = *state_;
+    if (auto shadow = s.lamps.shadowOf(s.visibilityPass, lamp))
+        return {s.last.camera.widthPixels, s.last.camera.heightPixels, 1,
+                std::move(shadow->texelMetres)};
     return {};
 }
 

@@ -34,6 +34,7 @@ struct FrameRequest {
     Camera camera;
     SunPosition sun;
     std::chrono::steady_clock::time_point deadline; // for the tiles it needs
+    bool still = false;       // the picture stands alone: no other follows it in motion
     bool waitForTiles = true; // capture: settle first; view: draw what is there
     // The surfaces that the last frame saw are asked again, under this camera's shadow maps: what
     // changes between the two answers flickers. Wants the same size of picture.
@@ -57,8 +58,14 @@ struct FrameFacts {
     std::uint32_t draws = 0;
     double selectMs = 0, uploadMs = 0, totalMs = 0; // CPU
     std::vector<double> depthMs;                    // GPU, a value per map
+    double resolveMs = 0; // of all maps: from two layers to the map's depth; 0 without
     double visibilityMs = 0, sunMs = 0, compositeMs = 0, gpuTotalMs = 0;
+    double lampMs = 0;                          // maps that had to be drawn, and light
+    std::uint32_t lamps = 0, lampMapsDrawn = 0; // lit; and the maps among theirs drawn this frame
     std::vector<CascadeFacts> cascades;
+    std::size_t shadowBytes = 0; // of the shadow maps
+    // Distance from the eye where shadows have faded out, over the last how many metres.
+    double shadowRangeMetres = 0, shadowFadeMetres = 0;
 };
 
 // A tile as it was drawn: what rays ask instead. `id` is the Tile picture's; 0 is the ground.
@@ -97,7 +104,8 @@ class FrameRenderer {
 
     Picture picture();
     // One channel for Sun (0…1, -1 sky), Depth (metres along the view axis, +inf sky), Cascade
-    // (0-based, 255 none) and Tile (id, 0 none); three for Normal (ENU at the camera, 0 sky).
+    // (0-based; kFirstProjective and more: maps in the eye's perspective; 255 none) and Tile (id, 0
+    // none); three for Normal (ENU at the camera, 0 sky).
     FloatPicture aov(Aov which);
     // Names for the ids in the Tile picture; index 0 is "".
     const std::vector<std::string>& tileNames() const;
@@ -107,7 +115,7 @@ class FrameRenderer {
     FloatPicture
     texels(); // metres across the texel a pixel's shadow is from, in the light's plane; 0 none
     // The same as Aov::Sun and texels(), of a lamp by its index in the scene; 0 turned away or out
-    // of its range, -1 sky.
+    // of its range, -1 sky. Empty for one that was not lit.
     FloatPicture lampVisibility(std::size_t lamp);
     FloatPicture lampTexels(std::size_t lamp);
     glm::dmat3 meshAxes() const; // the contents' positions are along these (columns, in ECEF)

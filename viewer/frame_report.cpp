@@ -63,6 +63,7 @@ Json frameJson(const ReportedFrame& frame) {
     json["gpu_ms"] = {{"depth", f.depthMs},
                       {"visibility", f.visibilityMs},
                       {"sun", f.sunMs},
+                      {"lamps", f.lampMs},
                       {"shading", f.compositeMs},
                       {"total", f.gpuTotalMs}};
     json["cascades"] = cascadesJson(f.cascades);

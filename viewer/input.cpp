@@ -1,6 +1,7 @@
 #include "viewer/input.h"
 
 #include "streaming/json_text.h"
+#include "streaming/raster.h"
 
 #include <nlohmann/json.hpp>
 
@@ -31,6 +32,7 @@ constexpr std::size_t kMagicBytes = 64;
 struct Magic {
     std::string_view bytes;
     const char* name;
+    bool raster = false; // opened when it holds heights
 };
 using namespace std::string_view_literals;
 constexpr std::array kRefusedMagics = {
@@ -38,19 +40,19 @@ constexpr std::array kRefusedMagics = {
     Magic{"cmpt"sv, "a composite tile (cmpt)"},
     Magic{"pnts"sv, "a point cloud (pnts)"},
     Magic{"subt"sv, "a subtree of an implicit tileset (open its tileset.json)"},
-    Magic{"II*\0"sv, "a TIFF raster"},
-    Magic{"MM\0*"sv, "a TIFF raster"},
-    Magic{"II+\0"sv, "a TIFF raster"},
-    Magic{"\x89HDF"sv, "a NetCDF or HDF5 file"},
-    Magic{"CDF"sv, "a NetCDF file"},
+    Magic{"II*\0"sv, "a TIFF raster", true},
+    Magic{"MM\0*"sv, "a TIFF raster", true},
+    Magic{"II+\0"sv, "a TIFF raster", true},
+    Magic{"\x89HDF"sv, "a NetCDF or HDF5 file", true},
+    Magic{"CDF"sv, "a NetCDF file", true},
     Magic{"SQLite format 3"sv, "a GeoPackage or other SQLite file"},
     Magic{"\0\0\x27\x0a"sv, "a Shapefile"},
     Magic{"\x89PNG"sv, "a picture (PNG)"},
     Magic{"\xff\xd8\xff"sv, "a picture (JPEG)"},
     Magic{"\x1f\x8b"sv, "a gzip file"},
     Magic{"PK\x03\x04"sv, "a zip file"},
-    Magic{"ncols"sv, "an ESRI ASCII raster"},
-    Magic{"NCOLS"sv, "an ESRI ASCII raster"},
+    Magic{"ncols"sv, "an ESRI ASCII raster", true},
+    Magic{"NCOLS"sv, "an ESRI ASCII raster", true},
     Magic{"<"sv, "an XML file"},
 };
 
@@ -111,7 +113,7 @@ class TopLevelKeys : public nlohmann::json_sax<nlohmann::json> {
 Error cannotOpen(const std::string& uri, const std::string& what) {
     return {uri, "this is " + what +
                      ", which cannot be opened yet; tilesets (tileset.json), "
-                     "models (glb, gltf, b3dm) and scene files can"};
+                     "models (glb, gltf, b3dm), rasters of heights and scene files can"};
 }
 
 Result<InputKind> kindOfJson(const std::string& text, const std::string& uri) {
@@ -148,6 +150,14 @@ Result<InputKind> kindOfJson(const std::string& text, const std::string& uri) {
                       "(\"asset\") nor a scene file (\"layers\")"};
 }
 
+Result<InputKind> kindOfRaster(const std::string& path, const std::string& uri,
+                               const std::string& what) {
+    const Result<Raster> raster = Raster::open(path);
+    if (!raster)
+        return Error{uri, "looks like " + what + ", but " + raster.error().reason};
+    return InputKind::Terrain;
+}
+
 Result<InputKind> kindOfFile(const std::string& path, const std::string& uri) {
     std::ifstream file(path, std::ios::binary);
     if (!file)
@@ -160,14 +170,18 @@ Result<InputKind> kindOfFile(const std::string& path, const std::string& uri) {
     if (head.starts_with("glTF") || head.starts_with("b3dm"))
         return InputKind::Model;
     for (const Magic& magic : kRefusedMagics)
-        if (head.starts_with(magic.bytes))
+        if (head.starts_with(magic.bytes) && !magic.raster)
             return cannotOpen(uri, magic.name);
+        else if (head.starts_with(magic.bytes))
+            return kindOfRaster(path, uri, magic.name);
     std::string_view words = head;
     if (words.starts_with("\xef\xbb\xbf"))
         words.remove_prefix(3);
     const auto first = words.find_first_not_of(" \t\r\n");
     if (first == std::string_view::npos || (words[first] != '{' && words[first] != '['))
-        return Error{uri, "not a kind of file that is known here"};
+        return Raster::open(path) // some formats of heights are known by name and size only
+                   ? Result<InputKind>(InputKind::Terrain)
+                   : Error{uri, "not a kind of file that is known here"};
     const Result<std::string> text = readTextFile(path, kMaxJsonBytes);
     if (!text)
         return Error{uri, text.error().reason};
@@ -212,15 +226,19 @@ Prefixed splitPrefix(const std::string& argument) {
 }
 
 Failure checkPrefix(const std::string& kind) {
-    static constexpr std::array kLater = {"terrain",   "imagery", "depth",    "stage", "water",
-                                          "buildings", "trees",   "barriers", "lamps"};
-    if (kind.empty() || kind == "tileset" || kind == "model" || kind == "scene")
+    static constexpr std::array kOpened = {"", "tileset", "model", "scene", "lamps", "terrain"};
+    static constexpr std::array kLater = {"imagery",   "depth", "stage",   "water",
+                                          "buildings", "trees", "barriers"};
+    if (std::find(kOpened.begin(), kOpened.end(), kind) != kOpened.end())
         return {};
     if (std::find(kLater.begin(), kLater.end(), kind) != kLater.end())
-        return Error{kind + "=", "this kind of input cannot be opened yet; tileset= and model= can",
-                     ErrorKind::Usage};
-    return Error{kind + "=",
-                 "no such kind of input; there are tileset= and model=", ErrorKind::Usage};
+        return Error{
+            kind + "=",
+            "this kind of input cannot be opened yet; tileset=, model=, terrain= and lamps= can",
+            ErrorKind::Usage};
+    return Error{
+        kind + "=",
+        "no such kind of input; there are tileset=, model=, terrain= and lamps=", ErrorKind::Usage};
 }
 
 } // namespace
@@ -233,6 +251,10 @@ const char* nameOf(InputKind kind) {
         return "model";
     case InputKind::SceneFile:
         return "scene";
+    case InputKind::Lamps:
+        return "lamps";
+    case InputKind::Terrain:
+        return "terrain";
     }
     return "";
 }
@@ -263,6 +285,8 @@ Result<Input> identifyInput(const std::string& argument) {
     // A link the user names is followed; links inside the input's folder may not lead out of it.
     if (fs::is_symlink(path, failed))
         path = fs::canonical(path, failed).string();
+    if (prefixed.kind == "lamps") // GeoJSON may be anything: only the prefix tells
+        return Input{uri, path, InputKind::Lamps};
     const Result<InputKind> kind = kindOfFile(path, path);
     if (!kind)
         return kind.error();

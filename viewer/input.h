@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-enum class InputKind { Tileset, Model, SceneFile };
+enum class InputKind { Tileset, Model, SceneFile, Lamps, Terrain };
 
 struct Input {
     std::string uri;  // as the user wrote it, without KIND=

@@ -45,7 +45,10 @@ class Inspector {
         input.kind = layer.kind;
         if (layer.onEarth)
             input.crs = layer.placedByUser && options_.crs ? *options_.crs : "EPSG:4978";
-        if (layer.placedByUser && options_.heights == Heights::Egm96)
+        if (layer.crs)
+            input.crs = layer.crs;
+        input.size = layer.size;
+        if ((layer.placedByUser || layer.crs) && options_.heights == Heights::Egm96)
             input.heights = "egm96";
         ProgressBar bar("contents");
         input.inventory = takeInventory(
@@ -109,7 +112,7 @@ Json inputJson(const InspectedInput& input) {
     json["levels"] = inventory.levels;
     json["refine"] = refineOf(inventory);
     json["bounds"] = boundsJson(inventory.bounds);
-    json["size"] = nullptr; // of rasters
+    json["size"] = input.size ? Json(*input.size) : Json(nullptr);
     json["steps"] = Json::array();
     json["extensions"] = extensionsOf(input);
     json["credits"] = inventory.copyrights;

@@ -13,6 +13,7 @@ struct InspectedInput {
     std::string uri, kind;
     std::optional<std::string> crs; // none: in a frame of its own
     std::string heights = "ellipsoidal";
+    std::optional<std::array<int, 2>> size; // of rasters, in pixels
     TilesetFacts tileset;
     Inventory inventory;
     std::vector<Error> missing;

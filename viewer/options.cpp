@@ -83,8 +83,8 @@ Failure take(Result<T> parsed, T& into) {
 void addScene(Command& command, SceneOptions& scene, bool required) {
     CLI::Option* inputs = command.app().add_option(
         "INPUT", scene.inputs,
-        "tileset.json, a folder with one, a model (glb, gltf, b3dm) or a scene file; KIND=PATH "
-        "(tileset=, model=) insists on a kind");
+        "tileset.json, a folder with one, a model (glb, gltf, b3dm), a raster of heights (GeoTIFF, "
+        "ASC) or a scene file; KIND=PATH (tileset=, model=, terrain=) insists on a kind");
     inputs->type_name("")->option_text("...")->expected(required ? 1 : 0, 1 << 16);
     if (required)
         inputs->required();
@@ -129,6 +129,7 @@ void addCamera(Command& command, PictureOptions& picture) {
                    [&picture](double degrees) { picture.fovDegrees = degrees; });
     command.option("--size", "WxH", "of the picture in pixels [1280x720]",
                    [&picture](const std::string& text) {
+                       picture.sizeGiven = true;
                        return parseSize(text, picture.widthPixels, picture.heightPixels);
                    });
     command.option("--time", "TIME",
@@ -193,16 +194,17 @@ void addShadows(Command& command, PictureOptions& picture) {
     command.number("--split-lambda", "L",
                    "0 (even) to 1 (logarithmic) splits" + byDefault(shadows.splitLambda), 0, 1,
                    [&shadows](double lambda) { shadows.splitLambda = lambda; });
-    command.option("--fit", "FIT",
-                   "stable: cascades keep to a lattice of texels and stand still; tight: fitted to "
-                   "what is seen, sharper, for stills [stable]",
-                   [&shadows](const std::string& text) -> Failure {
-                       const Result<ShadowFit> fit = parseShadowFit(text);
-                       if (!fit)
-                           return named("--fit", fit.error());
-                       shadows.fit = *fit;
-                       return {};
-                   });
+    command.option(
+        "--fit", "FIT",
+        "stable: cascades stand still while the camera moves; tight: fitted to what is seen, "
+        "sharper [tight for a single picture, else stable]",
+        [&shadows](const std::string& text) -> Failure {
+            const Result<ShadowFit> fit = parseShadowFit(text);
+            if (!fit)
+                return named("--fit", fit.error());
+            shadows.fit = *fit;
+            return {};
+        });
     command.number("--shadow-range", "M", "how far from the eye shadows reach [fitted]", 1e-3, 1e8,
                    [&shadows](double metres) { shadows.rangeMetres = metres; });
     command.number("--fade", "M", "over the last of which they fade [a tenth of the range]", 0, 1e8,
@@ -237,8 +239,28 @@ void addPicture(Command& command, PictureOptions& picture, double screenSpaceErr
     command.app().add_flag("--verbose", picture.verbose, "say more on the way");
 }
 
+// In place of inputs.
+void addBenchScene(Command& command, PictureOptions& picture) {
+    addScene(command, picture.scene, false);
+    command.option("--scene", "NAME",
+                   "a built-in scene in place of inputs (gnomon evaluate --list names them)",
+                   [&picture](const std::string& text) -> Failure {
+                       picture.benchScene = text;
+                       return {};
+                   });
+}
+
+Failure checkInputs(const PictureOptions& picture, bool required) {
+    const bool inputs = !picture.scene.inputs.empty();
+    if (inputs && picture.benchScene)
+        return Error{"--scene", "is given in place of inputs, not besides them", ErrorKind::Usage};
+    if (required && !inputs && !picture.benchScene)
+        return Error{"INPUT", "is required, or --scene", ErrorKind::Usage};
+    return {};
+}
+
 void addView(Command& command, ViewOptions& view) {
-    addScene(command, view.picture.scene, false);
+    addBenchScene(command, view.picture);
     addPicture(command, view.picture, kViewScreenSpaceError);
     command.number("--quit-after", "S", "close the window after so many seconds", 0,
                    kLongestSeconds, [&view](double seconds) { view.quitAfterSeconds = seconds; });
@@ -251,6 +273,21 @@ void addView(Command& command, ViewOptions& view) {
                          "Europe/Amsterdam'");
 }
 
+void addDevice(Command& command, std::optional<int>& device) {
+    command.option("--device", "N|cpu",
+                   "which GPU draws, or the software rasteriser [the first GPU]",
+                   [&device](const std::string& text) -> Failure {
+                       constexpr std::int64_t kMostDevices = 1024;
+                       const Result<std::int64_t> number =
+                           text == "cpu" ? Result<std::int64_t>(-1)
+                                         : parseInteger("--device", text, 0, kMostDevices);
+                       if (!number)
+                           return number.error();
+                       device = int(*number);
+                       return {};
+                   });
+}
+
 void addCapture(Command& command, CaptureOptions& capture) {
     command
         .option("-o,--output", "OUT",
@@ -261,7 +298,7 @@ void addCapture(Command& command, CaptureOptions& capture) {
                     return {};
                 })
         ->required();
-    addScene(command, capture.picture.scene, true);
+    addBenchScene(command, capture.picture);
     addPicture(command, capture.picture, kCaptureScreenSpaceError);
     command.app().add_flag_callback(
         "--no-overlay", [] {}, "nothing is written over the picture; nor is it without");
@@ -281,18 +318,7 @@ void addCapture(Command& command, CaptureOptions& capture) {
     command.option(
         "--aov", "LIST", "also write, beside OUT: sun, depth, normal, cascade, tile",
         [&capture](const std::string& text) { return take(parseAovs(text), capture.aovs); });
-    command.option("--device", "N|cpu",
-                   "which GPU draws, or the software rasteriser [the first GPU]",
-                   [&capture](const std::string& text) -> Failure {
-                       constexpr std::int64_t kMostDevices = 1024;
-                       const Result<std::int64_t> number =
-                           text == "cpu" ? Result<std::int64_t>(-1)
-                                         : parseInteger("--device", text, 0, kMostDevices);
-                       if (!number)
-                           return number.error();
-                       capture.device = int(*number);
-                       return {};
-                   });
+    addDevice(command, capture.device);
     command.app().footer(
         "Examples:\n"
         "  gnomon capture city/tileset.json -o city.png --time '2024-06-21T18:00 "
@@ -304,6 +330,77 @@ void addInfo(Command& command, InfoOptions& info) {
     addScene(command, info.scene, true);
     command.app().add_flag("--json", info.json, "as JSON");
     command.app().footer("Example:\n  gnomon info city/tileset.json --json");
+}
+
+void addEvaluate(Command& command, EvaluateOptions& evaluate, std::optional<std::string>& list) {
+    addScene(command, evaluate.picture.scene, false);
+    const auto keep = [&command](const char* name, const char* value, const char* help,
+                                 auto& into) {
+        command.option(name, value, help, [name, &into](const std::string& text) -> Failure {
+            if (text.empty())
+                return Error{name, "is empty", ErrorKind::Usage};
+            into = text;
+            return {};
+        });
+    };
+    keep("--scene", "NAME", "a built-in scene in place of inputs (--list names them)",
+         evaluate.sceneName);
+    keep("--techniques", "LIST",
+         "techniques with commas between: csm+dual-peel+pcss:16,32,single; each may go on with "
+         "@KEY=VALUE: csm+constant:0.5+none@map-size=512. What one does not say is as the options "
+         "below have it [about fifteen, --list names them]",
+         list);
+    command.integer("--rays", "N", "to the sun's disc for each pixel of the reference [64]", 1,
+                    1 << 16, [&evaluate](std::int64_t n) { evaluate.raysPerPixel = int(n); });
+    command.integer("--frames-timed", "N", "of each technique; their median counts [7]", 1, 10000,
+                    [&evaluate](std::int64_t n) { evaluate.framesTimed = int(n); });
+    command.app().add_flag("--json", evaluate.json, "as JSON");
+    keep("--images", "DIR",
+         "write reference.png, and <technique>.png and <technique>_error.png of each",
+         evaluate.imagesFolder);
+    keep("--plot", "FILE.svg", "draw time against error", evaluate.plotFile);
+    command
+        .option(
+            "--path", "[FILE]",
+            "also count what flickers while the camera moves: along the camera path in FILE, or "
+            "of --camera, or by small steps; without FILE it comes after the inputs",
+            [&evaluate](const std::string& text) -> Failure {
+                evaluate.countFlips = true;
+                if (!text.empty())
+                    evaluate.pathFile = text;
+                return {};
+            })
+        ->expected(0, 1);
+    command.app().add_flag("--list", evaluate.list,
+                           "say which techniques and scenes there are, and no more");
+    addPicture(command, evaluate.picture, kViewScreenSpaceError);
+    addDevice(command, evaluate.device);
+    command.app().footer(
+        "Examples:\n"
+        "  gnomon evaluate city/tileset.json --sun 228,26 --images errors --plot errors.svg\n"
+        "  gnomon evaluate --scene l-shape --techniques csm+constant:0.5+none,csm+dual-peel+none "
+        "--json");
+}
+
+// What only the options together tell.
+Failure completeEvaluate(EvaluateOptions& evaluate, const std::optional<std::string>& list) {
+    if (evaluate.list)
+        return {};
+    const bool inputs = !evaluate.picture.scene.inputs.empty();
+    if (inputs && evaluate.sceneName)
+        return Error{"--scene", "is given in place of inputs, not besides them", ErrorKind::Usage};
+    if (!inputs && !evaluate.sceneName)
+        return Error{"INPUT", "is required, or --scene", ErrorKind::Usage};
+    const ShadowSettings& base = evaluate.picture.frame.shadows;
+    if (!list) {
+        evaluate.techniques = bench::defaultTechniques(base);
+        return {};
+    }
+    Result<std::vector<bench::Technique>> techniques = bench::parseTechniques(*list, base);
+    if (!techniques)
+        return named("--techniques", techniques.error());
+    evaluate.techniques = std::move(*techniques);
+    return {};
 }
 
 void addDemo(Command& command, DemoOptions& demo) {
@@ -353,6 +450,8 @@ struct Parser {
     ViewOptions view;
     CaptureOptions capture;
     InfoOptions info;
+    EvaluateOptions evaluate;
+    std::optional<std::string> techniques; // of evaluate
     DemoOptions demo;
     std::vector<std::unique_ptr<Command>> commands;
 
@@ -372,6 +471,9 @@ struct Parser {
         addCapture(add("capture", "a picture, a picture a frame, or a video"), capture);
         addInfo(add("info", "what an input is, where it is, what is in it, what is wrong with it"),
                 info);
+        addEvaluate(add("evaluate", "each shadow technique: its time, its memory and its error "
+                                    "against rays"),
+                    evaluate, techniques);
         addDemo(add("demo", "writes the built-in place: terrain, city, trees, a flight"), demo);
     }
 };
@@ -389,7 +491,8 @@ Error unexpected(const CLI::App& app) {
     const std::string first = rest.empty() ? "" : rest.front();
     const auto chosen = app.get_subcommands();
     if (chosen.empty())
-        return {first, "no such command; there are view, capture, info and demo", ErrorKind::Usage};
+        return {first, "no such command; there are view, capture, info, evaluate and demo",
+                ErrorKind::Usage};
     const std::string name = first.substr(0, first.find('='));
     return {first.starts_with("-") ? name : first,
             std::string(first.starts_with("-") ? "unknown option" : "not expected here") +
@@ -427,7 +530,7 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
         if (app.get_subcommands().empty())
             return app.remaining(true).empty()
                        ? Error{"gnomon",
-                               "which command? there are view, capture, info and demo "
+                               "which command? there are view, capture, info, evaluate and demo "
                                "(gnomon --help)",
                                ErrorKind::Usage}
                        : unexpected(app);
@@ -438,12 +541,23 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
     if (parser->failure)
         return *parser->failure;
     const std::string command = app.get_subcommands().front()->get_name();
-    if (command == "view")
+    if (command == "view") {
+        if (Failure wrong = checkInputs(parser->view.picture, false))
+            return *wrong;
         return CommandLine(std::move(parser->view));
-    if (command == "capture")
+    }
+    if (command == "capture") {
+        if (Failure wrong = checkInputs(parser->capture.picture, true))
+            return *wrong;
         return CommandLine(std::move(parser->capture));
+    }
     if (command == "info")
         return CommandLine(std::move(parser->info));
+    if (command == "evaluate") {
+        if (Failure wrong = completeEvaluate(parser->evaluate, parser->techniques))
+            return *wrong;
+        return CommandLine(std::move(parser->evaluate));
+    }
     return CommandLine(std::move(parser->demo));
 }
 

@@ -1,6 +1,7 @@
 // The command line, parsed: what each command is asked to do. Nothing is opened or drawn here.
 #pragma once
 
+#include "bench/techniques.h"
 #include "viewer/frame.h"
 #include "viewer/scene.h"
 
@@ -18,19 +19,18 @@ struct FixedCamera {
 struct CameraFile {
     std::string path;
 };
-struct SunAngles {
-    double azimuthDegrees = 0.0, elevationDegrees = 0.0;
-};
 
 inline constexpr double kDefaultFovDegrees = 45.0;
 
 // What view and capture share.
 struct PictureOptions {
     SceneOptions scene;
+    std::optional<std::string> benchScene; // a built-in scene by its name, in place of inputs
     FrameOptions frame;
     std::variant<std::monostate, FixedCamera, CameraFile> camera; // monostate: fit the scene
     std::optional<double> fovDegrees;
     int widthPixels = 1280, heightPixels = 720;
+    bool sizeGiven = false;                               // else a built-in scene may say
     std::variant<std::monostate, UtcTime, SunAngles> sun; // monostate: the scene's, or a fixed one
     bool groundGiven = false;                             // else the scene file may say
     double timeoutSeconds = 60.0;                         // a frame
@@ -71,12 +71,27 @@ struct DemoOptions {
     std::uint64_t seed = 1;
 };
 
+struct EvaluateOptions {
+    PictureOptions picture;
+    std::optional<std::string> sceneName; // a built-in scene, in place of inputs
+    std::vector<bench::Technique> techniques;
+    int raysPerPixel = 64;
+    int framesTimed = 7;
+    bool json = false;
+    bool list = false; // only says what there is
+    std::optional<std::string> imagesFolder, plotFile;
+    bool countFlips = false;
+    std::optional<std::string> pathFile; // along a camera path, else along a small motion
+    std::optional<int> device;           // as CaptureOptions::device
+};
+
 // --help or --version: text for stdout, and done.
 struct HelpText {
     std::string text;
 };
 
-using CommandLine = std::variant<HelpText, ViewOptions, CaptureOptions, InfoOptions, DemoOptions>;
+using CommandLine =
+    std::variant<HelpText, ViewOptions, CaptureOptions, InfoOptions, EvaluateOptions, DemoOptions>;
 
 // `arguments` without the program's name.
 Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments);

@@ -16,6 +16,7 @@ struct Run {
     int operator()(const ViewOptions& options) const { return runView(options); }
     int operator()(const CaptureOptions& options) const { return runCapture(options); }
     int operator()(const InfoOptions& options) const { return runInfo(options); }
+    int operator()(const EvaluateOptions& options) const { return runEvaluate(options); }
     int operator()(const DemoOptions& options) const { return runDemo(options); }
 };
 

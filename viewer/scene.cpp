@@ -1,6 +1,8 @@
 #include "viewer/scene.h"
 
 #include "viewer/input.h"
+#include "viewer/lamps_file.h"
+#include "viewer/raster_tiles.h"
 #include "viewer/scene_file.h"
 #include "viewer/scene_placement.h"
 
@@ -126,11 +128,11 @@ std::optional<HeightRange> heightsOf(StreamedTileset& tileset, Point<Ecef> centr
     return HeightRange{heights[std::size_t(kBelowBase * double(heights.size()))], heights.back()};
 }
 
-Result<OpenedLayer> openLayer(const Input& input, const PlacingOptions& options, Opening opening) {
-    const SplitPath split = splitPath(input.path);
-    const std::shared_ptr<const Source> source = fileSource(split.folder);
-    auto tileset =
-        StreamedTileset::open(source, split.name, Transform<Ecef, Tile>{}, opening.loader);
+// `path` is one in `source`.
+Result<OpenedLayer> openLayer(const Input& input, const std::shared_ptr<const Source>& source,
+                              const std::string& path, const PlacingOptions& options,
+                              Opening opening) {
+    auto tileset = StreamedTileset::open(source, path, Transform<Ecef, Tile>{}, opening.loader);
     if (!tileset)
         return tileset.error();
     OpenedLayer opened;
@@ -146,7 +148,7 @@ Result<OpenedLayer> openLayer(const Input& input, const PlacingOptions& options,
         }
         if (!frame)
             return frame.error();
-        tileset = StreamedTileset::open(source, split.name, *frame, opening.loader);
+        tileset = StreamedTileset::open(source, path, *frame, opening.loader);
         if (!tileset)
             return tileset.error();
         if (!standsOnEarth((*tileset)->tree().node(TileTree::root()).volume))
@@ -259,14 +261,22 @@ class SceneOpener {
             return fail(input.error());
         if (input->kind == InputKind::SceneFile)
             return openSceneFile(input->path);
+        if (input->kind == InputKind::Lamps)
+            return openLamps(input->path);
         openOne(*input, merged(options_, {}));
+    }
+    void openServed(const Input& input, const std::shared_ptr<const Source>& source) {
+        add(openLayer(input, source, input.path, merged(options_, {}), opening()));
     }
 
     Result<Scene> finish() {
         if (opened_.empty())
             return first_.value_or(Error{"INPUT", "nothing to open", ErrorKind::Usage});
-        if (!options_.unplaced)
+        if (!options_.unplaced) {
             setAnchor(scene_, opened_);
+            for (const LampsFile::Entry& entry : lamps_)
+                scene_.lamps.push_back(placedLamp(entry, scene_.anchor.heightMetres));
+        }
         for (OpenedLayer& layer : opened_)
             scene_.layers.push_back(std::move(layer.layer));
         return std::move(scene_);
@@ -280,11 +290,46 @@ class SceneOpener {
     }
 
     void openOne(const Input& input, const PlacingOptions& placing) {
-        Result<OpenedLayer> layer =
-            openLayer(input, placing, {options_.loader, options_.unplaced, scene_.problems});
+        if (input.kind == InputKind::Terrain)
+            return openTerrain(input, placing);
+        const SplitPath split = splitPath(input.path);
+        add(openLayer(input, fileSource(split.folder), split.name, placing, opening()));
+    }
+
+    Opening opening() { return {options_.loader, options_.unplaced, scene_.problems}; }
+    void add(Result<OpenedLayer> layer) {
         if (!layer)
             return fail(layer.error());
         opened_.push_back(std::move(*layer));
+    }
+
+    void openTerrain(const Input& input, const PlacingOptions& placing) {
+        const Result<RasterTiles> tiles = rasterTiles(input.path, placing);
+        if (!tiles)
+            return fail(tiles.error());
+        for (const Problem& note : tiles->notes)
+            scene_.problems.push_back(note);
+        if (placing.placement)
+            opening().warn(input.uri, "it has its own place on the Earth; --place is not applied "
+                                      "to it");
+        if (placing.crs && tiles->crs != *placing.crs)
+            opening().warn(input.uri, "it names its own system, " + tiles->crs +
+                                          "; --crs is not applied to it");
+        add(openLayer(input, tiles->source, tiles->path, {}, opening()));
+        if (!opened_.empty() && opened_.back().layer.uri == input.uri) {
+            opened_.back().layer.crs = tiles->crs;
+            opened_.back().layer.size = {tiles->columns, tiles->rows};
+        }
+    }
+
+    void openLamps(const std::string& path) {
+        const Result<LampsFile> file = readLampsFile(path);
+        if (!file)
+            return fail(file.error());
+        lamps_.insert(lamps_.end(), file->entries.begin(), file->entries.end());
+        if (file->others > 0)
+            opening().warn(path, std::to_string(file->others) +
+                                     " features are no points, so they are left out");
     }
 
     void openSceneFile(const std::string& path) {
@@ -297,6 +342,10 @@ class SceneOpener {
             scene_.problems.push_back(problem);
         }
         for (const LayerDescription& layer : file->layers) {
+            if (layer.kind == InputKind::Lamps) {
+                openLamps(layer.path);
+                continue;
+            }
             Result<Input> input = identifyInput(layer.path);
             if (!input) {
                 fail(input.error());
@@ -320,6 +369,7 @@ class SceneOpener {
     const SceneOptions& options_;
     Scene scene_;
     std::vector<OpenedLayer> opened_;
+    std::vector<LampsFile::Entry> lamps_;
     Failure first_;
 };
 
@@ -329,6 +379,13 @@ Result<Scene> openScene(const SceneOptions& options) {
     SceneOpener opener(options);
     for (const std::string& input : options.inputs)
         opener.openInput(input);
+    return opener.finish();
+}
+
+Result<Scene> openScene(const SceneOptions& options, std::shared_ptr<const Source> source,
+                        const Input& input) {
+    SceneOpener opener(options);
+    opener.openServed(input, source);
     return opener.finish();
 }
 

@@ -7,7 +7,9 @@
 #include "geo/time.h"
 #include "shadows/lamp.h"
 #include "streaming/loader.h"
+#include "streaming/source.h"
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,13 +48,20 @@ struct Problem {
 // One input as it is streamed. A single glb or b3dm is a tileset of one tile.
 struct Layer {
     std::string uri;
-    std::string kind; // "tileset" or "model"
+    std::string kind; // "tileset", "model" or "terrain"
     std::unique_ptr<StreamedTileset> tileset;
     bool placedByUser = false;
     bool onEarth = true; // always, unless SceneOptions::unplaced
+    // Of a raster: its own system, and pixels across and down.
+    std::optional<std::string> crs;
+    std::optional<std::array<int, 2>> size;
 };
 
-// A scene file's own camera: a view to start from, when none is asked for.
+struct SunAngles {
+    double azimuthDegrees = 0.0, elevationDegrees = 0.0;
+};
+
+// A scene's own camera: a view to start from, when none is asked for.
 struct SceneCamera {
     Geodetic position;
     Orientation orientation;
@@ -73,13 +82,18 @@ struct Scene {
     double heightMetres = 0; // of what stands on the anchor's level
     std::vector<Problem> problems;
     std::vector<Lamp> lamps;
-    // From a scene file:
+    // From a scene file, or of a scene made by code:
     std::optional<UtcTime> time;
+    std::optional<SunAngles> sun; // when no time is known
     std::optional<SceneCamera> camera;
     std::optional<GroundChoice> ground;
 };
 
 // Fails only when nothing at all could be opened; what else is wrong is in `problems`.
 Result<Scene> openScene(const SceneOptions& options);
+// The same for one input whose files are not on a disk: `input.path` is a path in `source`.
+struct Input; // viewer/input.h
+Result<Scene> openScene(const SceneOptions& options, std::shared_ptr<const Source> source,
+                        const Input& input);
 
 } // namespace gnomon

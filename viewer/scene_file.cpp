@@ -88,8 +88,8 @@ void warnOfOthers(const std::vector<std::string>& keys, const std::string& where
             {Problem::Severity::Warning, where, "\"" + key + "\" is not known, so it is ignored"});
 }
 
-constexpr std::array kLaterKinds = {"terrain",   "imagery", "depth",    "stage", "water",
-                                    "buildings", "trees",   "barriers", "lamps"};
+constexpr std::array kLaterKinds = {"terrain", "imagery",   "depth", "stage",
+                                    "water",   "buildings", "trees", "barriers"};
 
 // Empty when the layer is of a kind that cannot be opened yet, which is then among the problems.
 Result<std::optional<LayerDescription>> readLayer(const Json& object, const std::string& folder,
@@ -109,15 +109,17 @@ Result<std::optional<LayerDescription>> readLayer(const Json& object, const std:
     LayerDescription layer;
     const auto tileset = read.optionalText("tileset");
     const auto model = read.optionalText("model");
-    if (tileset.has_value() == model.has_value())
-        read.fail("needs one of \"tileset\" and \"model\"");
+    const auto lamps = read.optionalText("lamps");
+    if (tileset.has_value() + model.has_value() + lamps.has_value() != 1)
+        read.fail("needs one of \"tileset\", \"model\" and \"lamps\"");
     readPlacing(object, read, layer);
     if (read.failure())
         return *read.failure();
-    warnOfOthers(read.others({"tileset", "model", "crs", "heights", "place", "up", "raise"}),
-                 name + ": " + where, problems);
-    layer.kind = tileset ? InputKind::Tileset : InputKind::Model;
-    layer.uri = tileset ? *tileset : *model;
+    warnOfOthers(
+        read.others({"tileset", "model", "lamps", "crs", "heights", "place", "up", "raise"}),
+        name + ": " + where, problems);
+    layer.kind = tileset ? InputKind::Tileset : model ? InputKind::Model : InputKind::Lamps;
+    layer.uri = tileset ? *tileset : model ? *model : *lamps;
     const bool remote = layer.uri.starts_with("http://") || layer.uri.starts_with("https://");
     layer.path = remote ? layer.uri : (std::filesystem::path(folder) / layer.uri).string();
     return std::optional(layer);

@@ -1,5 +1,6 @@
 #include "viewer/shot.h"
 
+#include "bench/scenes.h"
 #include "viewer/fit_camera.h"
 
 namespace gnomon {
@@ -51,20 +52,33 @@ Shot Shots::at(double seconds, const Scene& scene) const {
         else if (!angles)
             shot.time = scene.time;
     }
-    if (shot.time)
+    if (shot.time) {
         shot.sun = sunAt(*shot.time, scene.anchor);
-    else
-        shot.sun = sunFromAngles((angles ? *angles : kDefaultSun).azimuthDegrees,
-                                 (angles ? *angles : kDefaultSun).elevationDegrees, scene.anchor);
+    } else {
+        const SunAngles sun = angles ? *angles : scene.sun.value_or(kDefaultSun);
+        shot.sun = sunFromAngles(sun.azimuthDegrees, sun.elevationDegrees, scene.anchor);
+    }
     return shot;
 }
 
 bool Shots::usesDefaultSun(const Scene& scene) const {
-    return std::holds_alternative<std::monostate>(options_.sun) && !at(0.0, scene).time;
+    return std::holds_alternative<std::monostate>(options_.sun) && !scene.sun &&
+           !at(0.0, scene).time;
 }
 
 double Shots::lengthSeconds() const {
     return path_ ? path_->endSeconds() - path_->startSeconds() : 0.0;
+}
+
+Result<Scene> openAsked(const PictureOptions& options) {
+    if (!options.benchScene)
+        return openScene(options.scene);
+    const auto place =
+        options.scene.placement ? options.scene.placement->origin : bench::kDefaultPlace;
+    Result<bench::BenchScene> scene = bench::openBenchScene(*options.benchScene, place);
+    if (!scene)
+        return scene.error();
+    return std::move(scene->scene);
 }
 
 FrameOptions frameOptionsFor(const PictureOptions& options, const Scene& scene) {

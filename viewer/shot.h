@@ -36,6 +36,9 @@ class Shots {
     std::optional<CameraPath> path_;
 };
 
+// The inputs, or the built-in scene asked for by name.
+Result<Scene> openAsked(const PictureOptions& options);
+
 // What the scene file says of the ground, unless the command line did.
 FrameOptions frameOptionsFor(const PictureOptions& options, const Scene& scene);
 

@@ -45,7 +45,7 @@ class Viewer {
         Result<Shots> shots = Shots::create(picture);
         if (!shots)
             return shots.error();
-        Result<Scene> scene = openScene(picture.scene);
+        Result<Scene> scene = openAsked(picture);
         if (!scene)
             return scene.error();
         scene_.emplace(std::move(*scene));

@@ -14,9 +14,10 @@ Shapes tenMetreBox() {
     return shapes;
 }
 
-ShadowSettings filtered(ShadowFilter filter) {
+ShadowSettings filtered(ShadowFilter filter, ShadowFit fit = ShadowFit::Stable) {
     ShadowSettings s;
     s.filter = filter;
+    s.fit = fit;
     return s;
 }
 
@@ -34,15 +35,17 @@ Look alongTheShadow(double azimuth, double elevation) {
 } // namespace
 
 TEST(Shadow, OfABoxFallsWhereGeometrySays) {
-    for (const ShadowFilter filter : {ShadowFilter::Pcss, ShadowFilter::Bilinear}) {
-        SmallScene scene(tenMetreBox(), {kCologne, true, filtered(filter)});
+    for (const ShadowSettings& settings :
+         {filtered(ShadowFilter::Pcss), filtered(ShadowFilter::Bilinear),
+          filtered(ShadowFilter::Pcss, ShadowFit::Tight)}) {
+        SmallScene scene(tenMetreBox(), {kCologne, true, settings});
         Compared all;
         for (const double elevation : {3.0, 30.0, 60.0, 85.0, 90.0})
             for (const double azimuth : {0.0, 77.0, 200.0}) {
                 const Shot shot =
                     scene.draw(alongTheShadow(azimuth, elevation), azimuth, elevation);
                 const Compared c = compare(shot, scene.rays(azimuth, elevation),
-                                           {10.0, 2.0, filter == ShadowFilter::Pcss});
+                                           {10.0, 2.0, settings.filter == ShadowFilter::Pcss});
                 EXPECT_EQ(c.falseLit, 0u) << elevation << " " << azimuth;
                 EXPECT_EQ(c.falseShadow, 0u) << elevation << " " << azimuth;
                 EXPECT_EQ(c.falseAway, 0u);

@@ -80,7 +80,7 @@ TEST_F(PlaceFiles, OfAnotherPlaceDifferOnlyInWhereItIs) {
     PlaceOptions pole = of(60);
     pole.at = {0, 90, 12};
     Files here = first_, there = write("pole", pole);
-    for (const char* name : {"tileset.json", "place.scene.json", "flight.json"}) {
+    for (const char* name : {"tileset.json", "place.scene.json", "lamps.geojson", "flight.json"}) {
         EXPECT_NE(here.at(name), there.at(name));
         here.erase(name);
         there.erase(name);
@@ -114,6 +114,8 @@ TEST_F(PlaceFiles, SayWhatTheyAre) {
     EXPECT_GT(firstFacts_.subtrees, 1u); // child subtrees too
     const auto scene = nlohmann::json::parse(first_.at("place.scene.json"));
     EXPECT_EQ(scene["layers"][0]["tileset"], "tileset.json");
+    EXPECT_EQ(scene["layers"][1]["lamps"], "lamps.geojson");
+    EXPECT_GT(nlohmann::json::parse(first_.at("lamps.geojson"))["features"].size(), 8u);
     EXPECT_TRUE(scene["camera"].contains("heading"));
     EXPECT_EQ(nlohmann::json::parse(first_.at("flight.json"))["interpolation"], "smooth");
     for (const auto& [name, text] : first_)

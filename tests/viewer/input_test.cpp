@@ -84,9 +84,10 @@ TEST(Input, AKindMayBeInsistedOn) {
     const std::string path = folder.write("t.json", kTileset);
     EXPECT_EQ(kindOf("tileset=" + path), "tileset");
     EXPECT_NE(kindOf("model=" + path).find("this is a tileset"), std::string::npos);
-    EXPECT_NE(kindOf("terrain=" + path).find("terrain="), std::string::npos);
+    EXPECT_NE(kindOf("terrain=" + path).find("this is a tileset"), std::string::npos);
+    EXPECT_NE(kindOf("imagery=" + path).find("imagery="), std::string::npos);
     EXPECT_NE(kindOf("foo=" + path).find("no such kind"), std::string::npos);
-    EXPECT_EQ(identifyInput("terrain=" + path).error().kind, ErrorKind::Usage);
+    EXPECT_EQ(identifyInput("imagery=" + path).error().kind, ErrorKind::Usage);
     // A file may well have such a name.
     EXPECT_EQ(kindOf(folder.write("x=y.json", kTileset)), "tileset");
 }

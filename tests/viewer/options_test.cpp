@@ -94,6 +94,11 @@ TEST(Options, ATechniqueIsOneWord) {
     EXPECT_EQ(shadows.blockerSamples, 8);
     EXPECT_EQ(shadows.filterSamples, 24);
     EXPECT_EQ(captured({"--shadows", "csm+pcf:5"}).picture.frame.shadows.pcfWidth, 5);
+    const ShadowSettings dual =
+        captured({"--shadows", "csm+dual-peel:0.25+jitter4"}).picture.frame.shadows;
+    EXPECT_EQ(dual.bias, ShadowBias::DualPeel);
+    EXPECT_EQ(dual.biasMetres, 0.25);
+    EXPECT_EQ(dual.filter, ShadowFilter::Jitter);
 }
 
 TEST(Options, WhatIsSaidBesidesATechniqueWinsInAnyOrder) {
@@ -101,6 +106,13 @@ TEST(Options, WhatIsSaidBesidesATechniqueWinsInAnyOrder) {
          {std::vector<std::string>{"--shadows", "csm+frontface+pcss", "--filter", "none"},
           std::vector<std::string>{"--filter", "none", "--shadows", "csm+frontface+pcss"}})
         EXPECT_EQ(captured(arguments).picture.frame.shadows.filter, ShadowFilter::None);
+    for (const auto& arguments :
+         {std::vector<std::string>{"--shadows", "single+constant:2+none", "--bias", "midpoint"},
+          std::vector<std::string>{"--bias", "midpoint", "--shadows", "single+constant:2+none"}}) {
+        const ShadowSettings shadows = captured(arguments).picture.frame.shadows;
+        EXPECT_EQ(shadows.bias, ShadowBias::Midpoint);
+        EXPECT_FALSE(shadows.biasMetres);
+    }
 }
 
 TEST(Options, TheSunIsSetByTimeOrByAngles) {
@@ -166,18 +178,19 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"--size", "640"}, Wrong{"--size", "0x5"}, Wrong{"--size", "640x480x2"},
                     Wrong{"--size", "-1x5"}, Wrong{"--size", "99999x5"}, Wrong{"--fov", "0"},
                     Wrong{"--fov", "180"}, Wrong{"--fov", "4o"}, Wrong{"--time", "yesterday"},
-                    Wrong{"--shadows", "foo"}, Wrong{"--shadows", "csm+dual-peel"},
+                    Wrong{"--shadows", "foo"}, Wrong{"--shadows", "csm+dual"},
                     Wrong{"--shadows", "csm+pcf:3+frontface"},
                     Wrong{"--shadows", "csm+frontface+pcf:3+x"}, Wrong{"--shadows", ""},
-                    Wrong{"--bias", "slope"}, Wrong{"--bias", "dual-peel:0.1"},
-                    Wrong{"--bias", "x"}, Wrong{"--cull", "x"}, Wrong{"--filter", "pcf:99"},
-                    Wrong{"--cascades", "0"}, Wrong{"--cascades", "6"}, Wrong{"--cascades", "2.5"},
-                    Wrong{"--map-size", "511"}, Wrong{"--split-lambda", "1.1"},
-                    Wrong{"--shadow-range", "0"}, Wrong{"--ground", "x"}, Wrong{"--sse", "0"},
-                    Wrong{"--memory", "1"}, Wrong{"--timeout", "-1"}, Wrong{"--frames", "5-2"},
-                    Wrong{"--frames", "1-2:0"}, Wrong{"--frames", "a"}, Wrong{"--fps", "0"},
-                    Wrong{"--aov", "sun,foo"}, Wrong{"--place", "1,2"}, Wrong{"--up", "x"},
-                    Wrong{"--heights", "geoid"}, Wrong{"--crs", ""}, Wrong{"--device", "gpu"}));
+                    Wrong{"--bias", "slope:0.1"}, Wrong{"--bias", "dual-peel:-0.1"},
+                    Wrong{"--bias", "x"}, Wrong{"--fit", "x"}, Wrong{"--cull", "x"},
+                    Wrong{"--filter", "pcf:99"}, Wrong{"--cascades", "0"}, Wrong{"--cascades", "6"},
+                    Wrong{"--cascades", "2.5"}, Wrong{"--map-size", "511"},
+                    Wrong{"--split-lambda", "1.1"}, Wrong{"--shadow-range", "0"},
+                    Wrong{"--ground", "x"}, Wrong{"--sse", "0"}, Wrong{"--memory", "1"},
+                    Wrong{"--timeout", "-1"}, Wrong{"--frames", "5-2"}, Wrong{"--frames", "1-2:0"},
+                    Wrong{"--frames", "a"}, Wrong{"--fps", "0"}, Wrong{"--aov", "sun,foo"},
+                    Wrong{"--place", "1,2"}, Wrong{"--up", "x"}, Wrong{"--heights", "geoid"},
+                    Wrong{"--crs", ""}, Wrong{"--device", "gpu"}));
 
 TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
     for (const char* option :
@@ -187,7 +200,7 @@ TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
         EXPECT_EQ(error.subject, option);
     }
     for (const auto& arguments : {std::vector<std::string>{},
-                                  {"evaluate", "x"},
+                                  {"evaluate", "x", "--techniques", "foo"},
                                   {"foo"},
                                   {"capture"},
                                   {"capture", "a"},
@@ -203,7 +216,7 @@ TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
 }
 
 TEST(Options, HelpHasAnExampleForEveryCommand) {
-    for (const char* command : {"view", "capture", "info", "demo"}) {
+    for (const char* command : {"view", "capture", "info", "evaluate", "demo"}) {
         const auto parsed = parse({command, "--help"});
         ASSERT_TRUE(bool(parsed));
         const std::string& text = std::get<HelpText>(*parsed).text;

@@ -52,6 +52,18 @@ int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, int com
     return int(mesh.attribute(id)->unique_id());
 }
 
+// Told apart from colours, which are four bytes too.
+struct Index {
+    std::uint32_t value;
+};
+
+std::vector<Index> indicesOf(std::span<const std::uint32_t> indices) {
+    std::vector<Index> out;
+    for (const std::uint32_t i : indices)
+        out.push_back({i});
+    return out;
+}
+
 struct Encoded {
     std::vector<std::byte> bytes;
     json attributes = json::object(); // name → Draco's unique id
@@ -159,6 +171,7 @@ int Glb::addAccessor(std::span<const T> values, const char* type, int target) {
                   {"type", type}};
     constexpr bool kColor = std::is_same_v<T, std::uint32_t>;
     accessor["componentType"] = std::is_same_v<T, std::uint16_t> ? kUnsignedShort
+                                : std::is_same_v<T, Index>       ? kUnsignedInt
                                 : kColor                         ? kUnsignedByte
                                                                  : kFloat;
     if (kColor)
@@ -192,6 +205,12 @@ int Glb::addMaterial(const char* name, int texture, bool doubleSided) {
         material["doubleSided"] = true;
     root_["materials"].push_back(std::move(material));
     return int(root_["materials"].size()) - 1;
+}
+
+int Glb::addCutoutMaterial(const char* name, int texture) {
+    const int index = addMaterial(name, texture, true);
+    root_["materials"].back()["alphaMode"] = "MASK"; // at 0.5, unless it says otherwise
+    return index;
 }
 
 void Glb::addNode(const char* name, int mesh, json extensions) {
@@ -247,20 +266,37 @@ Failure Glb::addMesh(const char* name, const Shape& shape, int material) {
     return std::nullopt;
 }
 
-void Glb::addInstanced(const char* name, const Shape& shape, int material, const Instances& where) {
-    if (where.translations.empty())
-        return;
+json Glb::plainPrimitive(const Shape& shape, int material) {
     std::vector<glm::vec3> positions, normals;
     for (std::size_t i = 0; i < shape.positions.size(); ++i) {
         positions.push_back(yUp(shape.positions[i]));
         normals.push_back(yUp(glm::dvec3(shape.normals[i])));
     }
-    std::vector<std::uint16_t> indices(shape.indices.begin(), shape.indices.end());
     json primitive{{"material", material}, {"mode", 4}};
     primitive["attributes"]["POSITION"] = addAccessor<glm::vec3>(positions, "VEC3", kVertices);
     primitive["attributes"]["NORMAL"] = addAccessor<glm::vec3>(normals, "VEC3", kVertices);
     primitive["attributes"]["COLOR_0"] =
         addAccessor<std::uint32_t>(shape.colors, "VEC4", kVertices);
+    return primitive;
+}
+
+void Glb::addPlainMesh(const char* name, const Shape& shape, int material) {
+    if (shape.indices.empty())
+        return;
+    json primitive = plainPrimitive(shape, material);
+    if (!shape.uvs.empty())
+        primitive["attributes"]["TEXCOORD_0"] =
+            addAccessor<glm::vec2>(shape.uvs, "VEC2", kVertices);
+    primitive["indices"] = addAccessor<Index>(indicesOf(shape.indices), "SCALAR", kIndices);
+    root_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
+    addNode(name, int(root_["meshes"].size()) - 1, nullptr);
+}
+
+void Glb::addInstanced(const char* name, const Shape& shape, int material, const Instances& where) {
+    if (where.translations.empty())
+        return;
+    json primitive = plainPrimitive(shape, material);
+    std::vector<std::uint16_t> indices(shape.indices.begin(), shape.indices.end());
     primitive["indices"] = addAccessor<std::uint16_t>(indices, "SCALAR", kIndices);
     root_["meshes"].push_back({{"name", name}, {"primitives", json::array({primitive})}});
     use("EXT_mesh_gpu_instancing", true);

@@ -1,4 +1,5 @@
-// A small writer of binary glTF: Draco meshes, instanced meshes, pictures, a property table.
+// A small writer of binary glTF: meshes (Draco or plain), instanced meshes, pictures, a property
+// table.
 #pragma once
 
 #include "geo/result.h"
@@ -40,8 +41,12 @@ class Glb {
     int addTexture(std::span<const std::byte> image, const char* mimeType, bool repeat);
     // `texture` < 0: none.
     int addMaterial(const char* name, int texture, bool doubleSided);
+    // Cut out where its texture's alpha is below a half; seen from both sides.
+    int addCutoutMaterial(const char* name, int texture);
     // Compressed; lattice positions are kept exactly.
     Failure addMesh(const char* name, const Shape& shape, int material);
+    // Not compressed: vertices to a float's last bit, in the order given.
+    void addPlainMesh(const char* name, const Shape& shape, int material);
     // The same shape many times, not compressed.
     void addInstanced(const char* name, const Shape& shape, int material, const Instances& where);
     // What the shapes' feature ids mean; `rows` of them.
@@ -54,6 +59,8 @@ class Glb {
     template <class T>
     int addAccessor(std::span<const T> values, const char* type, int target);
     void use(const char* extension, bool required);
+    // A primitive's attributes and material, without indices.
+    nlohmann::json plainPrimitive(const Shape& shape, int material);
     void addNode(const char* name, int mesh, nlohmann::json extensions);
 
     nlohmann::json root_;

@@ -257,8 +257,9 @@ Result<std::vector<std::byte>> encode(const Pixels& pixels, const char* format, 
         return Error{format, OIIO::geterror(), ErrorKind::Output};
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput file(bytes);
-    OIIO::ImageSpec spec(pixels.size, pixels.size, 3, OIIO::TypeDesc::UINT8);
+    OIIO::ImageSpec spec(pixels.size, pixels.size, pixels.channels, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
     if (std::strcmp(setting, "Compression") == 0)
         spec.attribute(setting, "jpeg:" + std::to_string(value));
     else

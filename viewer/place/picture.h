@@ -10,14 +10,17 @@
 
 namespace gnomon::builtin {
 
-// sRGB, rows from north to south.
+// sRGB, with four channels also alpha (not multiplied in); rows from north to south.
 struct Pixels {
-    int size = 0;
+    int size = 0, channels = 3;
     std::vector<std::uint8_t> rgb;
 
-    explicit Pixels(int across = 0) : size(across), rgb(std::size_t(across) * across * 3, 0) {}
-    std::uint8_t* at(int x, int y) { return &rgb[(std::size_t(y) * size + x) * 3]; }
-    const std::uint8_t* at(int x, int y) const { return &rgb[(std::size_t(y) * size + x) * 3]; }
+    explicit Pixels(int across = 0, int perPixel = 3)
+        : size(across), channels(perPixel), rgb(std::size_t(across) * across * perPixel, 0) {}
+    std::uint8_t* at(int x, int y) { return &rgb[(std::size_t(y) * size + x) * channels]; }
+    const std::uint8_t* at(int x, int y) const {
+        return &rgb[(std::size_t(y) * size + x) * channels];
+    }
 };
 
 inline constexpr int kGroundPixels = 512;

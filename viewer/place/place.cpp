@@ -1,6 +1,7 @@
 #include "viewer/place/place.h"
 
 #include "viewer/place/flight.h"
+#include "viewer/place/lamps.h"
 #include "viewer/place/tiles.h"
 
 #include <nlohmann/json.hpp>
@@ -256,10 +257,11 @@ Failure writeScene(const std::vector<FlightKey>& keys, const Geodetic& at, const
         return error;
     json camera = flight["keyframes"][0];
     camera.erase("t");
-    const json scene{{"layers", json::array({{{"tileset", "tileset.json"}}})},
-                     {"ground", "none"},
-                     {"time", afternoon(at)},
-                     {"camera", camera}};
+    const json scene{
+        {"layers", json::array({{{"tileset", "tileset.json"}}, {{"lamps", "lamps.geojson"}}})},
+        {"ground", "none"},
+        {"time", afternoon(at)},
+        {"camera", camera}};
     return folder.writeJson("place.scene.json", scene, facts);
 }
 
@@ -287,6 +289,9 @@ Result<PlaceFacts> writePlace(const PlaceOptions& options,
     if (auto error = writeSubtrees(plan, tiles, folder, facts))
         return *error;
     if (auto error = folder.writeJson("tileset.json", tilesetJson(plan, options.at), facts))
+        return *error;
+    if (auto error =
+            folder.writeJson("lamps.geojson", lampsJson(streetLamps(plan), options.at), facts))
         return *error;
     const auto keys = flight(plan);
     if (auto error = writeScene(keys, options.at, folder, facts))

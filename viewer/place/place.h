@@ -1,10 +1,10 @@
 // The built-in place: a small city that needs no data, written as a standard 3D Tiles 1.1 tileset
-// (implicit quadtree, glb with Draco) with a scene and a flight beside it.
+// (implicit quadtree, glb with Draco) with a scene, street lamps and a flight beside it.
 //
 // It is authored in one flat frame, east, north, up in metres at `at`, and put on the Earth by the
 // root's transform alone; bounding volumes are boxes. So it is rigid: the same place to the last
 // bit at Cologne, at a pole and on the antimeridian. The same options give the same bytes, and only
-// tileset.json, place.scene.json and flight.json depend on `at`.
+// tileset.json, place.scene.json, lamps.geojson and flight.json depend on `at`.
 #pragma once
 
 #include "geo/ellipsoid.h"

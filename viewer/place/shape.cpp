@@ -26,8 +26,7 @@ void Shape::face(std::span<const glm::dvec3> corners, std::span<const glm::vec2>
     const auto first = std::uint32_t(positions.size());
     for (std::size_t i = 0; i < corners.size(); ++i) {
         // Snapped in the place's frame, so that tiles agree.
-        const glm::dvec3 p{onLattice(corners[i].x), onLattice(corners[i].y),
-                           onLattice(corners[i].z)};
+        const glm::dvec3 p = glm::round(corners[i] / latticeMetres) * latticeMetres;
         positions.push_back(p - origin);
         uvs.push_back(uv.empty() ? glm::vec2(0.0f) : uv[i]);
         colors.push_back(color);

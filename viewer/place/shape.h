@@ -13,7 +13,8 @@
 
 namespace gnomon::builtin {
 
-// Positions are east, north, up relative to `origin`, all on the lattice.
+// Positions are east, north, up relative to `origin`, all on the lattice. May also be filled by
+// hand, with vertices that faces share.
 struct Shape {
     glm::dvec3 origin{0};
     std::vector<glm::dvec3> positions;
@@ -22,6 +23,8 @@ struct Shape {
     std::vector<std::uint32_t> colors;   // linear RGBA8, R lowest
     std::vector<std::uint16_t> features; // empty, or one a vertex
     std::vector<std::uint32_t> indices;
+
+    double latticeMetres = kLatticeMetres; // a power of two
 
     // What the next faces get.
     std::uint32_t color = 0xffffffffu;

@@ -1,0 +1,6 @@
+foreach(name reference reference_rays reference_around)
+  gnomon_test(bench/${name}_test gnomon::bench)
+  target_compile_definitions(${name}_test PRIVATE GNOMON_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/evaluate_tests.cmake OPTIONAL)
+include(${CMAKE_CURRENT_LIST_DIR}/scenes_tests.cmake OPTIONAL)
