@@ -81,11 +81,11 @@ struct Evaluation::State {
     Failure drawBase();
     Failure trace();
     Result<FrameFacts> drawWhole();
-    Failure drawTimed(Row& row, FrameFacts& last);
+    Failure drawTimed(Row& row);
     void fadeOut(Answer& answer, const FrameFacts& facts) const;
     Answer answerOfSun(const Technique& technique, const FrameFacts& facts);
     Failure measureLamp(Row& row);
-    void measureSun(Row& row, const FrameFacts& facts);
+    void measureSun(Row& row);
     Failure measureFlips(Row& row);
     Light lampLight() const;
     void warnOnce(const std::string& text) {
@@ -166,7 +166,7 @@ Failure Evaluation::State::trace() {
     return {};
 }
 
-Failure Evaluation::State::drawTimed(Row& row, FrameFacts& last) {
+Failure Evaluation::State::drawTimed(Row& row) {
     std::vector<FrameFacts> frames;
     for (int i = 0; i < kWarmUpFrames + input.framesTimed; ++i) {
         if (!goOn(nullptr, 0, 0))
@@ -178,7 +178,7 @@ Failure Evaluation::State::drawTimed(Row& row, FrameFacts& last) {
             frames.push_back(std::move(*facts));
     }
     noteTimes(frames, row);
-    last = frames.back();
+    row.facts = std::move(frames.back());
     return {};
 }
 
@@ -202,8 +202,8 @@ Answer Evaluation::State::answerOfSun(const Technique& technique, const FrameFac
     return answer;
 }
 
-void Evaluation::State::measureSun(Row& row, const FrameFacts& facts) {
-    const Answer answer = answerOfSun(row.technique, facts);
+void Evaluation::State::measureSun(Row& row) {
+    const Answer answer = answerOfSun(row.technique, row.facts);
     row.comparison = compare(*rays, reference, sun, answer, input.camera, input.probes,
                              input.scene.ecefFromAnchor);
     row.visibility = answer.visibility;
@@ -282,14 +282,13 @@ Result<Row> Evaluation::measure(const Technique& technique) {
     FrameOptions options = s.input.base;
     options.shadows = technique.settings;
     s.input.renderer.setOptions(options);
-    FrameFacts last;
-    if (Failure failure = s.drawTimed(row, last))
+    if (Failure failure = s.drawTimed(row))
         return *failure;
     if (technique.ofLamps) {
         if (Failure failure = s.measureLamp(row))
             return *failure;
     } else {
-        s.measureSun(row, last);
+        s.measureSun(row);
     }
     if (!row.error)
         if (Failure failure = s.measureFlips(row))

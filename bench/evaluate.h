@@ -36,6 +36,7 @@ struct Row {
     std::vector<double> depthMs;     // a value a map
     std::size_t bytes = 0;           // of the maps
     std::vector<double> texelMetres; // a value a cascade
+    FrameFacts facts;                // of the last frame timed
     Comparison comparison;
     std::vector<float> visibility; // its answer
     std::optional<std::uint64_t> lostCasters;

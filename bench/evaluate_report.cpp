@@ -98,10 +98,11 @@ std::string heading(const ReportFacts& f) {
                   f.camera.verticalFovRadians / kRadiansPerDegree);
     text += print("sun        azimuth %.2f elevation %.2f, %.3f degrees across\n",
                   f.sun.azimuthDegrees, f.sun.elevationDegrees, f.sunDiameterDegrees);
-    text += print("reference  %d rays a pixel, %llu pixels, %llu of them facing the sun in range, "
-                  "%.1f s\n",
-                  f.raysPerPixel, static_cast<unsigned long long>(f.pixels),
-                  static_cast<unsigned long long>(f.litFacing), f.referenceMs / 1e3);
+    text +=
+        print("reference  %d rays a pixel, %llu pixels, %llu of them facing the light in range, "
+              "%.1f s\n",
+              f.raysPerPixel, static_cast<unsigned long long>(f.pixels),
+              static_cast<unsigned long long>(f.litFacing), f.referenceMs / 1e3);
     return text + "renderer   " + f.renderer + "\n\n";
 }
 
@@ -255,6 +256,8 @@ std::string techniqueListing() {
             "Compared when no --techniques are given, as --shadows and its like say else\n";
     for (const Technique& technique : defaultTechniques({}))
         text += "  " + technique.text + "\n";
+    for (const Technique& technique : defaultLampTechniques({}))
+        text += "  " + technique.text + " (where there are lamps)\n";
     text += "\nScenes for --scene\n";
     for (const SceneDescription& scene : sceneDescriptions())
         text += print("  %-16s ", scene.name) + scene.about + "\n";

@@ -180,6 +180,14 @@ std::vector<Technique> defaultTechniques(const ShadowSettings& base) {
     return techniques;
 }
 
+std::vector<Technique> defaultLampTechniques(const ShadowSettings& base) {
+    std::vector<Technique> techniques;
+    for (const char* text : {"paraboloid", "paraboloid:0", "cube"})
+        if (Result<Technique> technique = parseOneTechnique(text, base))
+            techniques.push_back(std::move(*technique));
+    return techniques;
+}
+
 bool isSoft(const ShadowSettings& settings) {
     return settings.filter == ShadowFilter::Pcss || settings.filter == ShadowFilter::PcssRatio;
 }

@@ -28,6 +28,8 @@ Result<std::vector<Technique>> parseTechniques(const std::string& list, const Sh
 // What is compared when nothing is asked for: `base` itself first, then one thing after another
 // changed.
 std::vector<Technique> defaultTechniques(const ShadowSettings& base);
+// The same of lamps: maps with edges cut fine enough, uncut, and a cube.
+std::vector<Technique> defaultLampTechniques(const ShadowSettings& base);
 
 // Whether it means to draw penumbrae: these are held against the whole disc of the sun, all others
 // against its centre.

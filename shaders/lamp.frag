@@ -55,7 +55,7 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec4 expected = mix(vec4(2.0 * lampReach.y), offPlane / towards, lessThan(towards * 2.0 * lampReach.y, vec4(offPlane)));
     vec4 gap = mix(expected - distance - r.tolerance, vec4(-1.0), greaterThanEqual(stored, vec4(1.0)));
     bvec4 before = greaterThan(gap, vec4(0.0));
-    // An edge in the map may be off by its bend; so may what a texel beside it holds.
+    // An edge in the map may be off by its bend; so may the place of what a texel beside it holds.
     vec4 sideways = (sqrt(dx * dx + dy * dy) + lampLayers[1].z) * r.texelMetres;
     // A quad that is all one plane tells by that plane: does it pass before the receiver?
     vec3 p0 = distance.x * v0, edge1 = distance.y * v1 - p0, edge3 = distance.w * v3 - p0;
@@ -70,7 +70,8 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     return mix(vec4(0.0), gap, clear);
 }
 
-// A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
+// A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear. -1 where no texel
+// says anything.
 float boxFilter(Receiver r, vec2 centre, float width) {
     vec2 low = centre - 0.5 * width, high = centre + 0.5 * width;
     vec2 first = floor(low);
@@ -87,7 +88,7 @@ float boxFilter(Receiver r, vec2 centre, float width) {
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }
-    return total > 0.0 ? sum / total : 0.0;
+    return total > 0.0 ? sum / total : -1.0;
 }
 
 vec3 inLamp(vec3 v) { return vec3(dot(lampX.xyz, v), dot(lampY.xyz, v), dot(lampZ.xyz, v)); }
@@ -117,11 +118,14 @@ void main() {
     r.tolerance = (1e-6 * length(position) + 5e-7 * lampReach.y) * (1.0 + slope);
     r.toleranceSlope = NEIGHBOUR_SLOPE + slope + 6e-5 * (1.0 + slope * slope);
 
-    float visibility = 0.0;
+    // The nearest texel alone is a box of one on its centre; where that says nothing its neighbours are
+    // asked. Where nobody does a blocker touches: in a hollow the receiver's own face speaks.
+    float visibility = lit ? -1.0 : 0.0;
     float width = lampReach.w;
     vec2 centre = width > 0.0 ? r.texel : floor(r.texel) + 0.5;
-    for (int round = 0; round < (lit ? 1 : 0); ++round)
-        visibility = boxFilter(r, centre, max(width, 1.0));
+    for (int round = 0; visibility < 0.0 && round < (width > 0.0 ? 1 : 2); ++round)
+        visibility = boxFilter(r, round == 0 ? centre : r.texel, max(width, 1.0));
+    visibility = max(visibility, 0.0);
     outVisibility = vec2(visibility, r.distance < lampReach.y ? r.texelMetres : 0.0);
 
     float share = r.distance / lampReach.y, window = max(1.0 - share * share * share * share, 0.0);

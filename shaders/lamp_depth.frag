@@ -13,6 +13,34 @@ layout(location = 0) uniform int first; // of the planes, for the draw's first t
 layout(location = 1) uniform int map;
 layout(location = 2) uniform vec3 span; // near, range, texels across
 
+// Distances beyond the triangle's own by more than 5 % are of planes within 2° of edge on, met some
+// 1/500 of the distance off the triangle, and mean nothing.
+const float BEYOND = 0.95;
+
+// Where an edge is drawn outside the true one, a texel's direction passes the triangle by. Its plane
+// goes on there, as the face beside it does when that lies in the same plane; but a plane seen nearly
+// edge on would come far towards the lamp and shade what is beside it. A receiver allows for faces that
+// rise by 2 a unit sideways (NEIGHBOUR_SLOPE in lamp.frag), so it comes no nearer than that.
+float metresTo(int at, vec3 direction) {
+    vec3 plane = texelFetch(planes, at).xyz;
+    vec3 corner[3];
+    for (int i = 0; i < 3; ++i)
+        corner[i] = texelFetch(planes, at + 1 + i).xyz;
+    float farthest = sqrt(max(dot(corner[0], corner[0]), max(dot(corner[1], corner[1]), dot(corner[2], corner[2]))));
+    float outward = dot(cross(corner[0], corner[1]), corner[2]) < 0.0 ? 1.0 : -1.0;
+    // The nearest direction that is not past any edge.
+    vec3 within = direction;
+    for (int i = 0; i < 3; ++i) {
+        vec3 side = cross(corner[i], corner[(i + 1) % 3]) * outward;
+        within -= max(dot(side, within), 0.0) / max(dot(side, side), 1e-30) * side;
+    }
+    float inverse = dot(plane, direction), inverseWithin = dot(plane, within);
+    float onPlane = inverse * farthest > BEYOND ? 1.0 / inverse : farthest / BEYOND;
+    float onBorder = inverseWithin * farthest > 1.0 ? 1.0 / inverseWithin : farthest;
+    float past = length(direction - within);
+    return past > 0.0 ? max(onPlane, onBorder * (1.0 - 2.0 * past)) : onPlane;
+}
+
 void main() {
     vec3 direction = lampDirection(gl_FragCoord.xy, map, span.z);
 #ifndef LAMP_CUBE
@@ -23,20 +51,18 @@ void main() {
         discard;
 #endif
 #ifdef LAMP_ALPHA
-    int at = first + 4 * gl_PrimitiveID;
+    int at = first + 6 * gl_PrimitiveID;
 #else
-    int at = first + 2 * gl_PrimitiveID;
+    int at = first + 4 * gl_PrimitiveID;
 #endif
-    vec2 extent = texelFetch(planes, at + 1).xy;
-    float inverse = dot(texelFetch(planes, at).xyz, direction);
-    float distance = inverse * extent.y > 1.0 ? max(1.0 / inverse, extent.x) : extent.y;
-    if (distance < span.x) // the lamp's own housing
+    float metres = metresTo(at, direction);
+    if (metres < span.x) // the lamp's own housing
         discard;
 #ifdef LAMP_ALPHA
-    vec4 p = vec4(distance * direction, 1.0);
-    vec2 uv = vec2(dot(texelFetch(planes, at + 2), p), dot(texelFetch(planes, at + 3), p));
+    vec4 p = vec4(metres * direction, 1.0);
+    vec2 uv = vec2(dot(texelFetch(planes, at + 4), p), dot(texelFetch(planes, at + 5), p));
     if (alphaTest.x * textureLod(baseColorTexture, uv, 0.0).a < alphaTest.y)
         discard;
 #endif
-    gl_FragDepth = clamp((distance - span.x) / (span.y - span.x), 0.0, 1.0);
+    gl_FragDepth = clamp((metres - span.x) / (span.y - span.x), 0.0, 1.0);
 }

@@ -1,9 +1,10 @@
 #version 450 core
 // Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_JITTER, FILTER_PCSS (also with
-// PENUMBRA_RATIO), or none of them when there are no cascades; and with one of BIAS_CONSTANT, BIAS_SLOPE,
+// PENUMBRA_RATIO), or none of them when there are no cascades; with one of BIAS_CONSTANT, BIAS_SLOPE,
 // BIAS_NORMAL where one bias holds for all texels, none of them where each is compared with the receiver's
-// plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where others would branch: a software rasteriser runs both sides of a branch,
-// but leaves a loop when no pixel of its group needs another round.
+// plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where
+// others would branch: a software rasteriser runs both sides of a branch, but leaves a loop when no pixel
+// of its group needs another round.
 //
 // How much of the sun each pixel's surface sees, 0…1, in screen space: once a pixel, whatever the
 // scene's depth complexity. After Niedermayer (cascades, PCF, blend, fade) with the penumbra of a sun
@@ -28,12 +29,14 @@ const float DENSE_RADIUS = 3.0;
 // Turns by the golden angle, 137.5°: the next arm of the spiral that samples a disc (Vogel, 1979).
 const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368878);
 // Two lit faces that meet in a hollow, as a wall and the ground before it, must not shade each other.
-// Across such an edge a face rises over the receiver's plane by (tan a + tan b) for each unit sideways,
-// a and b the angles between the sun and the two normals. A texel that stands no higher than that says
-// nothing: it may be the neighbouring face or a blocker that touches; tan b is taken as this (63°). Where
-// its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
-// below it and a blocker above.
+// From there a face rises by tan b for each unit sideways, b the angle between the sun and its normal, and
+// no higher above the receiver than that where the receiver's own plane falls towards the edge, or than
+// that over the plane where it rises. A texel that stands no higher says nothing: it may be the
+// neighbouring face or a blocker that touches; tan b is taken as this (63°), more for a steep receiver,
+// whose neighbours are likely to be steep too: two walls in a corner. Where its 2×2 quad is a plane, that
+// plane tells: continued to the receiver, the neighbouring face passes below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
+const float STEEP_NEIGHBOURS = 0.15; // a share of NEIGHBOUR_SLOPE for each unit of the receiver's slope
 #if defined(BIAS_CONSTANT) || defined(BIAS_SLOPE) || defined(BIAS_NORMAL)
 #define ONE_BIAS
 #endif
@@ -52,6 +55,7 @@ struct Receiver {
 #else
     vec2 gradient; // of depth on the receiver's plane, metres a texel
     float toleranceSlope; // metres a texel of distance sideways
+    float steepness; // by which neighbouring faces may be steeper
 #endif
     float tolerance; // rounding, metres
     float reach;     // metres to the farthest possible blocker
@@ -106,8 +110,10 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     says = vec4(1.0);
     return max(depth - (r.depth + r.bias), 0.0);
 #else
-    vec4 gap = depth - (r.depth + r.gradient.x * dx + r.gradient.y * dy) - r.tolerance;
-    vec4 neighbour = r.toleranceSlope * sqrt(dx * dx + dy * dy);
+    vec4 plane = r.gradient.x * dx + r.gradient.y * dy;
+    vec4 gap = depth - (r.depth + plane) - r.tolerance;
+    vec4 sideways = r.toleranceSlope * sqrt(dx * dx + dy * dy);
+    vec4 neighbour = r.steepness * sideways - min(plane, vec4(0.0));
     bvec4 before = greaterThan(gap, vec4(0.0));
     vec2 tilt = 0.5 * vec2(depth.y - depth.x + depth.z - depth.w, depth.x - depth.w + depth.y - depth.z) -
                 r.gradient;
@@ -118,7 +124,11 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     float doubt = 2.0 * r.tolerance * (abs(dx.x) + abs(dy.x)) + 0.02 * cascadeOffset[r.cascade].w;
     bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
     bvec4 clear = planar ? bvec4(above) : greaterThan(gap, neighbour);
-    says = vec4(not(before)) + vec4(clear);
+    // A steep plane soon rises over what hangs above the receiver: such a texel, on neither, says next to
+    // nothing, or the side of a beam would be lit below a roof that lies on it. Alone it is believed.
+    vec4 off = vec4(2.0 * r.tolerance + 0.02 * cascadeOffset[r.cascade].w) + 0.1 * sideways;
+    vec4 silent = vec4(lessThan(gap, -off)) * vec4(greaterThan(gap + plane, sideways));
+    says = vec4(not(before)) * (1.0 - 0.999 * silent) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
 #endif
 }
@@ -191,58 +201,101 @@ float boxFilter(Receiver r, float width) {
 #endif
 
 #ifdef FILTER_PCSS
+// Blockers with a narrow penumbra and those with a wide one are told apart by their gap: the mean of both
+// is the penumbra of neither, and a house in the rim of a mountain's shadow would lose its own.
+struct Group {
+    float fromGap, toGap; // metres
+};
+vec4 lit(vec4 gap, Group group) {
+    return vec4(lessThanEqual(gap, vec4(group.fromGap))) + vec4(greaterThan(gap, vec4(group.toGap)));
+}
+
+// The share of sun that a group of blockers leaves; all of it where `asked` is false.
 // Every texel below a disc, those at its rim by their share.
-float denseDisc(Receiver r, float radius) {
+float denseDisc(Receiver r, float radius, Group group, bool asked) {
     vec2 first = floor(r.lattice - radius - 0.5);
-    int quads = int(ceil(radius)) + 1;
+    int quads = asked ? int(ceil(radius)) + 1 : 0;
     float sum = 0.0, total = 0.0;
     for (int j = 0; j < quads; ++j)
         for (int i = 0; i < quads; ++i) {
             vec4 dx, dy, says;
-            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says), group);
             vec4 weight = says * clamp(radius + 0.5 - sqrt(dx * dx + dy * dy), 0.0, 1.0);
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }
-    return share(sum, total);
+    return asked ? share(sum, total) : 1.0;
 }
 
 // Bilinear taps on a fixed spiral: the pattern belongs to the lattice, so it does not swim.
-float sampledDisc(Receiver r, float radius) {
-    int count = int(filter_.w);
+float sampledDisc(Receiver r, float radius, Group group, bool asked) {
+    int count = asked ? int(filter_.w) : 0;
     float sum = 0.0, total = 0.0;
-    vec2 arm = vec2(radius * inversesqrt(float(count)), 0.0);
+    vec2 arm = vec2(radius * inversesqrt(filter_.w), 0.0);
     for (int i = 0; i < count; ++i, arm = GOLDEN_TURN * arm) {
         vec2 tap = r.lattice + sqrt(float(i) + 0.5) * arm - 0.5;
         vec2 f = fract(tap), g = 1.0 - f;
         vec4 dx, dy, says;
-        vec4 shade = lit(gaps(r, floor(tap), dx, dy, says));
+        vec4 shade = lit(gaps(r, floor(tap), dx, dy, says), group);
         vec4 weight = says * vec4(g.x * f.y, f.x * f.y, f.x * g.y, g.x * g.y);
         sum += dot(shade, weight);
         total += dot(weight, vec4(1.0));
     }
-    return share(sum, total);
+    return asked ? share(sum, total) : 1.0;
 }
 
+#ifndef PENUMBRA_RATIO
+// What stands on the ground stands in the way of a ray from its foot to its top: a house, not a mountain
+// far behind. Blockers so many times beyond the narrow ones still count as these.
+const float SOLID = 8.0;
+
+float bilinear(Receiver r, vec2 at, Group group) {
+    vec2 tap = at - 0.5;
+    vec2 f = fract(tap), g = 1.0 - f;
+    vec4 dx, dy, says;
+    vec4 shade = lit(gaps(r, floor(tap), dx, dy, says), group);
+    vec4 weight = says * vec4(g.x * f.y, f.x * f.y, f.x * g.y, g.x * g.y);
+    float total = dot(weight, vec4(1.0));
+    return total > 0.0 ? dot(shade, weight) / total : 1.0; // what says nothing hides nothing
+}
+
+// Both groups at once: each tap is a ray to a point of the sun, and passes the narrow group's blockers as
+// much nearer to the middle as their penumbra is narrower.
+float twoDiscs(Receiver r, float narrow, Group narrowGroup, float wide, Group wideGroup, bool asked) {
+    int count = asked ? int(filter_.w) : 0;
+    float sum = 0.0;
+    vec2 arm = vec2(inversesqrt(filter_.w), 0.0);
+    for (int i = 0; i < count; ++i, arm = GOLDEN_TURN * arm) {
+        vec2 ray = sqrt(float(i) + 0.5) * arm;
+        sum += min(bilinear(r, r.lattice + narrow * ray, narrowGroup), bilinear(r, r.lattice + wide * ray, wideGroup));
+    }
+    return asked ? sum / filter_.w : 1.0;
+}
+#endif
+
 struct Blockers {
-    float count, gapSum, litCount;
+    vec2 count, gapSum; // with a narrow penumbra, with a wide one
+    float litCount;
 };
 
-void look(Receiver r, vec2 corner, float radius, inout Blockers found) {
+void look(Receiver r, vec2 corner, float radius, float narrow, inout Blockers found) {
     vec4 dx, dy, says;
     vec4 gap = gaps(r, corner, dx, dy, says);
 #ifdef ONE_BIAS
     // The bias is enough for texels this near only.
     says *= vec4(lessThan(max(abs(dx), abs(dy)), vec4(radius + 0.5)));
     vec4 blocks = says * vec4(greaterThan(gap, vec4(0.0)));
-    float count = dot(blocks, vec4(1.0));
-    found.gapSum += dot(gap, blocks) + count * r.raise;
 #else
-    float count = dot(vec4(greaterThan(gap, vec4(0.0))), vec4(1.0));
-    found.gapSum += dot(gap, vec4(1.0));
+    vec4 blocks = vec4(greaterThan(gap, vec4(0.0)));
+#endif
+    vec4 wide = blocks * vec4(greaterThan(gap, vec4(narrow)));
+    vec2 count = vec2(dot(blocks - wide, vec4(1.0)), dot(wide, vec4(1.0)));
+    found.gapSum += vec2(dot(gap, blocks - wide), dot(gap, wide));
+#ifdef ONE_BIAS
+    found.gapSum += count * r.raise;
 #endif
     found.count += count;
-    found.litCount += dot(says, vec4(1.0)) - count;
+    found.litCount += dot(says, vec4(1.0)) - count.x - count.y;
 }
 
 // Half the width, in texels, of the penumbra of a blocker so far before the receiver.
@@ -276,13 +329,18 @@ float widestPenumbra(Receiver r) {
 float pcss(Receiver receiver) {
     float search = widestPenumbra(receiver);
     Receiver r = biased(receiver, search);
-    Blockers found = Blockers(0.0, 0.0, 0.0);
+#ifdef PENUMBRA_RATIO
+    float narrow = 0.0; // as other engines do: all in one
+#else
+    float narrow = DENSE_RADIUS * cascadeOffset[r.cascade].w / toSun.w;
+#endif
+    Blockers found = Blockers(vec2(0.0), vec2(0.0), 0.0);
     if (search <= DENSE_RADIUS) {
         vec2 first = floor(r.lattice - search - 0.5);
         int quads = int(ceil(search)) + 1;
         for (int j = 0; j < quads; ++j)
             for (int i = 0; i < quads; ++i)
-                look(r, first + 2.0 * vec2(i, j), search, found);
+                look(r, first + 2.0 * vec2(i, j), search, narrow, found);
     } else {
         // The spiral may miss what stands close by: four quads around the receiver come first.
         int count = int(filter_.z);
@@ -290,16 +348,28 @@ float pcss(Receiver receiver) {
         for (int i = -4; i < count; ++i, arm = GOLDEN_TURN * arm) {
             vec2 near = floor(r.lattice - 1.5) + 2.0 * vec2(i & 1, (i >> 1) & 1);
             vec2 wide = floor(r.lattice + sqrt(max(float(i), 0.0) + 0.5) * arm - 0.5);
-            look(r, i < 0 ? near : wide, search, found);
+            look(r, i < 0 ? near : wide, search, narrow, found);
         }
     }
     if (found.litCount == 0.0)
         return 0.0;
-    if (found.count == 0.0)
+    if (found.count.x + found.count.y == 0.0)
         return 1.0;
-    float radius = clamp(penumbra(receiver, found.gapSum / found.count), 1.0, search);
-    r = biased(receiver, radius);
-    return radius <= DENSE_RADIUS ? denseDisc(r, radius) : sampledDisc(r, radius);
+    vec2 gap = found.gapSum / max(found.count, vec2(1.0));
+    bool narrowOnly = found.count.y == 0.0, wideOnly = found.count.x == 0.0;
+    float radius = clamp(penumbra(receiver, gap.x), 1.0, search);
+    float wide = clamp(penumbra(receiver, gap.y), 1.0, search);
+    Group near = Group(0.0, narrow), far = Group(narrow, 1e30);
+#ifdef PENUMBRA_RATIO
+    r = biased(receiver, wide);
+    return wide <= DENSE_RADIUS ? denseDisc(r, wide, far, true) : sampledDisc(r, wide, far, true);
+#else
+    // Where a group is asked alone all its light is told; at most one of the three has anything to do.
+    return denseDisc(biased(receiver, radius), radius, near, narrowOnly) *
+           sampledDisc(biased(receiver, wide), wide, far, wideOnly) *
+           twoDiscs(biased(receiver, wide), radius, Group(0.0, SOLID * narrow), wide, far,
+                    !narrowOnly && !wideOnly);
+#endif
 }
 
 #endif
@@ -326,7 +396,8 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     r.bias = r.raise = 0.0;
 #else
     r.gradient = slope * texel;
-    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
+    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + 6e-5 * (1.0 + steep2));
+    r.steepness = 1.0 + STEEP_NEIGHBOURS * sqrt(steep2);
 #endif
     r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
                   sqrt(steep2) * texel * fade.w * 2.4e-7;

@@ -14,10 +14,6 @@ namespace {
 constexpr std::size_t kMostTriangles = std::size_t(1) << 21;
 // A plane this near to the lamp is seen edge on: it covers nothing.
 constexpr double kEdgeOnMetres = 1e-7;
-// Where the straight edge lies outside the true one, a texel asks a plane beyond its triangle, by
-// some 1/500 of its distance sideways. Distances so far off the triangle's own are of a plane
-// within 2° of edge on, and say nothing.
-constexpr double kBeyond = 0.05;
 
 bool withinReach(const LampTriangle& t, const Lamp& lamp) {
     const glm::dvec3 low = glm::min(t[0], glm::min(t[1], t[2]));
@@ -45,15 +41,14 @@ class MapWriter {
     MapWriter(const LampMaps& maps, double bendTexels)
         : maps_(maps), units_(maps.unitsAcross()), bend_(bendTexels * units_ / maps.texels) {}
 
-    // What `t` was cut into, until the next.
-    const std::vector<LampTriangle>& write(int map, const LampTriangle& t,
-                                           std::vector<glm::vec3>& corners) {
-        pieces_.clear();
+    // Into how many pieces.
+    std::uint32_t write(int map, const LampTriangle& t, std::vector<glm::vec3>& corners) {
+        const std::size_t before = corners.size();
         if (maps_.method == LampMethod::Cube)
             writeFace(map, t, corners);
         else
             writeHemisphere(map, t, corners);
-        return pieces_;
+        return std::uint32_t((corners.size() - before) / 3);
     }
 
   private:
@@ -62,6 +57,7 @@ class MapWriter {
             for (glm::dvec3& p : t)
                 p.z = -p.z;
         const std::size_t there = corners.size() / 3;
+        pieces_.clear();
         cutTriangle(t, bend_, maps_, kMostTriangles - std::min(kMostTriangles, there), pieces_);
         for (const LampTriangle& piece : pieces_)
             for (const glm::dvec3& p : piece)
@@ -85,7 +81,6 @@ class MapWriter {
             return;
         for (const glm::dvec3& c : clip)
             corners.emplace_back(c);
-        pieces_.push_back(t);
     }
 
     const LampMaps& maps_;
@@ -132,17 +127,15 @@ struct Writer {
         }
         for (std::size_t m = 0; m < out.maps.size(); ++m) {
             LampMapTriangles& map = out.maps[m];
-            const std::vector<LampTriangle>& pieces = images.write(int(m), t, map.corners);
-            for (const LampTriangle& piece : pieces) {
-                const double farthest =
-                    std::max({glm::length(piece[0]), glm::length(piece[1]), glm::length(piece[2])});
+            const std::uint32_t pieces = images.write(int(m), t, map.corners);
+            for (std::uint32_t i = 0; i < pieces; ++i) {
                 map.planes.push_back(plane);
-                map.planes.emplace_back(
-                    glm::dvec4(nearestDistance(piece), farthest * (1.0 + kBeyond), 0.0, 0.0));
+                for (const glm::dvec3& p : t)
+                    map.planes.emplace_back(glm::dvec4(p, 0.0));
                 if (alpha)
                     map.planes.insert(map.planes.end(), {u, v});
             }
-            (alpha ? map.alpha.back().count : map.opaque) += std::uint32_t(pieces.size());
+            (alpha ? map.alpha.back().count : map.opaque) += pieces;
         }
     }
 };

@@ -33,10 +33,9 @@ std::vector<LampCaster> castersOf(const Lamp& lamp, std::span<const LampCaster> 
 // stored is the distance at the texel's centre, however the triangle was cut.
 struct LampMapTriangles {
     std::vector<glm::vec3> corners; // clip x, y and w; three a triangle
-    // Two a triangle: n / (n·p) of its plane, whose product with a unit direction is one over the
-    // distance; its least and largest distance, since a plane seen edge on goes wild where the
-    // straight edge lies outside the true one. Alpha-tested ones have two more: u and v of a place
-    // in the lamp's frame.
+    // Four a triangle: n / (n·p) of its plane, whose product with a unit direction is one over the
+    // distance; and the corners of the whole one it was cut from. Alpha-tested ones have two more:
+    // u and v of a place in the lamp's frame.
     std::vector<glm::vec4> planes;
     std::uint32_t opaque = 0; // triangles, first
     struct AlphaRange {

@@ -244,7 +244,7 @@ void LampPass::drawMap(const Slot& slot, int map, const LampMapTriangles& triang
     start("");
     glUniform1i(0, 0);
     glDrawArrays(GL_TRIANGLES, 0, int(3 * triangles.opaque));
-    int plane = 2 * int(triangles.opaque);
+    int plane = 4 * int(triangles.opaque);
     bool started = false;
     for (const LampMapTriangles::AlphaRange& range : triangles.alpha) {
         if (range.count > 0) {
@@ -259,7 +259,7 @@ void LampPass::drawMap(const Slot& slot, int map, const LampMapTriangles& triang
             glUniform1i(0, plane);
             glDrawArrays(GL_TRIANGLES, int(3 * range.first), int(3 * range.count));
         }
-        plane += 4 * int(range.count);
+        plane += 6 * int(range.count);
     }
 }
 

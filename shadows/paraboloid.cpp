@@ -236,19 +236,4 @@ void cutTriangle(const LampTriangle& t, double limit, const LampMaps& maps, std:
     Cutter{limit, lowest, most, out}.cut(t[0], t[1], t[2], kMostHalvings);
 }
 
-double nearestDistance(const LampTriangle& t) {
-    const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-    bool inside = true; // where the plane is nearest
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i) {
-        const glm::dvec3 &a = t[i], along = t[(i + 1) % 3] - a;
-        const double length2 = glm::dot(along, along);
-        const double at = length2 > 0.0 ? std::clamp(-glm::dot(a, along) / length2, 0.0, 1.0) : 0.0;
-        nearest = std::min(nearest, glm::length(a + at * along));
-        inside = inside && glm::dot(glm::cross(along, -a), normal) >= 0.0;
-    }
-    return inside ? std::min(nearest, std::abs(glm::dot(normal, t[0])) / glm::length(normal))
-                  : nearest;
-}
-
 } // namespace gnomon

@@ -78,7 +78,5 @@ using LampTriangle = std::array<glm::dvec3, 3>; // corners relative to the lamp
 // out. Stops cutting when `out` holds `most`.
 void cutTriangle(const LampTriangle& triangle, double limit, const LampMaps& maps, std::size_t most,
                  std::vector<LampTriangle>& out);
-// Of a triangle to the lamp.
-double nearestDistance(const LampTriangle& triangle);
 
 } // namespace gnomon

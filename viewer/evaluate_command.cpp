@@ -4,6 +4,7 @@
 #include "bench/scenes.h"
 #include "render/context.h"
 #include "viewer/commands.h"
+#include "viewer/frame_report.h"
 #include "viewer/image_file.h"
 #include "viewer/messages.h"
 #include "viewer/output_file.h"
@@ -59,12 +60,14 @@ class Evaluate {
             return wrong;
         if (Failure wrong = open())
             return wrong;
+        report_.settingsHash = settingsHash(options_.picture);
         Shot shot = shots->at(0.0, bench_ ? bench_->scene : *scene_);
         frame_ = frameOptionsFor(options_.picture, scene());
         if (bench_)
             takeFrom(*bench_, shot);
         camera_ = shot.camera;
         sun_ = shot.sun;
+        time_ = shot.time;
         if (!bench_ && shots->usesDefaultSun(scene()))
             sayNote("sun", "neither --time nor --sun given: azimuth 225, elevation 40 degrees");
         if (Failure wrong = makePath(*shots))
@@ -79,8 +82,8 @@ class Evaluate {
             if (Failure wrong = checkWritable(*options_.plotFile))
                 return wrong;
         if (options_.picture.frameReport)
-            return Error{"--frame-report", "is not written by evaluate, whose --json tells more",
-                         ErrorKind::Usage};
+            if (Failure wrong = checkWritable(*options_.picture.frameReport))
+                return wrong;
         if (!options_.imagesFolder)
             return {};
         std::error_code failed;
@@ -208,20 +211,33 @@ class Evaluate {
             return prepared.error();
         bench::Evaluation& evaluation = *prepared;
         const bench::Reference& reference = evaluation.reference();
-        if (Failure wrong = writeImage("reference", reference, reference.visibility))
+        if (Failure wrong = writeReference("reference", reference, reference.visibility))
             return wrong;
+        const std::vector<bench::Technique> techniques = techniquesToMeasure();
         ProgressBar bar("techniques");
-        for (std::size_t i = 0; i < options_.techniques.size(); ++i) {
-            Result<bench::Row> row = evaluation.measure(options_.techniques[i]);
+        for (std::size_t i = 0; i < techniques.size(); ++i) {
+            Result<bench::Row> row = evaluation.measure(techniques[i]);
             if (!row)
                 return row.error();
             if (Failure wrong = keep(std::move(*row), evaluation))
                 return wrong;
-            bar.update(i + 1, options_.techniques.size());
+            bar.update(i + 1, techniques.size());
         }
         bar.finish();
         note(evaluation);
         return {};
+    }
+
+    // When nothing is asked for: by night only what lamps have, by day both.
+    std::vector<bench::Technique> techniquesToMeasure() {
+        std::vector<bench::Technique> techniques = options_.techniques;
+        if (options_.techniquesGiven || scene().lamps.empty())
+            return techniques;
+        if (sun_.elevationDegrees <= 0.0)
+            techniques.clear();
+        for (bench::Technique& lamps : bench::defaultLampTechniques(frame_.shadows))
+            techniques.push_back(std::move(lamps));
+        return techniques;
     }
 
     // The pictures of a row are written at once, so that they need not be kept.
@@ -236,7 +252,7 @@ class Evaluate {
                 return wrong;
             if (!bench::isSoft(row.technique.settings) && !row.technique.ofLamps && !hardWritten_) {
                 hardWritten_ = true;
-                if (Failure wrong = writeImage("reference_hard", reference, reference.hard))
+                if (Failure wrong = writeReference("reference_hard", reference, reference.hard))
                     return wrong;
             }
             const Picture error =
@@ -245,6 +261,9 @@ class Evaluate {
                     gnomon::writeImage(error, ImageFormat::Png, imagePath(name + "_error")))
                 return wrong;
         }
+        // Of each technique the last frame timed.
+        report_.frames.push_back(
+            {std::int64_t(rows_.size()), time_, camera_, sun_, std::move(row.facts), {}, {}});
         row.visibility = {};
         row.comparison.verdicts = {};
         rows_.push_back(std::move(row));
@@ -263,6 +282,15 @@ class Evaluate {
             ImageFormat::Png, imagePath(name));
     }
 
+    // With the sky as in the techniques' pictures.
+    Failure writeReference(const std::string& name, const bench::Reference& reference,
+                           std::vector<float> visibility) const {
+        for (std::size_t i = 0; i < visibility.size(); ++i)
+            if (!reference.surfaces[i].any)
+                visibility[i] = -1.0f;
+        return writeImage(name, reference, visibility);
+    }
+
     void note(const bench::Evaluation& evaluation) {
         const bench::Reference& reference = evaluation.reference();
         facts_.inputs = inputs_;
@@ -275,15 +303,28 @@ class Evaluate {
         for (const bench::SurfacePoint& surface : reference.surfaces)
             facts_.pixels += surface.any;
         facts_.litFacing = evaluation.litFacing();
+        for (const bench::Row& row : rows_)
+            if (facts_.litFacing == 0) // by night: of the lamp
+                facts_.litFacing = row.comparison.metrics.litFacing;
         facts_.referenceMs = reference.milliseconds;
         for (const std::string& warning : evaluation.warnings())
             sayWarning("evaluate", warning);
         facts_.warnings = evaluation.warnings();
         facts_.warnings.insert(facts_.warnings.end(), warnings_.begin(), warnings_.end());
         skipped_ = skipped_ || evaluation.lacksTiles();
+        report_.renderer = facts_.renderer;
+        for (const Layer& layer : scene().layers)
+            for (const FailedTile& failed : layer.tileset->failures()) {
+                sayError(failed.error);
+                report_.skipped.push_back(failed.error);
+                skipped_ = true;
+            }
     }
 
     int finish() {
+        if (options_.picture.frameReport)
+            if (Failure wrong = writeFile(*options_.picture.frameReport, report_.json()))
+                return end(*wrong);
         if (options_.plotFile)
             if (Failure wrong = writePlot())
                 return end(*wrong);
@@ -322,12 +363,14 @@ class Evaluate {
     FrameOptions frame_;
     Camera camera_;
     SunPosition sun_;
+    std::optional<UtcTime> time_; // that set the sun
     std::vector<Camera> path_;
     std::unique_ptr<render::Context> context_;
     std::unique_ptr<FrameRenderer> renderer_; // before its context and scene go
     std::vector<bench::Row> rows_;
     std::vector<std::string> warnings_; // of rows
     bench::ReportFacts facts_;
+    FrameReport report_;
     bool hardWritten_ = false;
     bool skipped_ = false;
 };

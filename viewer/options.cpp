@@ -400,6 +400,7 @@ Failure completeEvaluate(EvaluateOptions& evaluate, const std::optional<std::str
     if (!techniques)
         return named("--techniques", techniques.error());
     evaluate.techniques = std::move(*techniques);
+    evaluate.techniquesGiven = true;
     return {};
 }
 

@@ -75,6 +75,7 @@ struct EvaluateOptions {
     PictureOptions picture;
     std::optional<std::string> sceneName; // a built-in scene, in place of inputs
     std::vector<bench::Technique> techniques;
+    bool techniquesGiven = false; // else the usual ones, and lamps' where there are lamps
     int raysPerPixel = 64;
     int framesTimed = 7;
     bool json = false;

@@ -55,15 +55,15 @@ TEST(EvaluateOptions, APathIsAFileOrNothing) {
 TEST(EvaluateOptions, WrongUsageIsSaid) {
     for (const auto& arguments :
          std::vector<std::vector<const char*>>{{},
-                                                         {"a", "--scene", "l-shape"},
-                                                         {"a", "--techniques", ""},
-                                                         {"a", "--techniques", "nonsense"},
-                                                         {"a", "--techniques", "csm@map-size=1"},
-                                                         {"a", "--rays", "0"},
-                                                         {"a", "--rays", "many"},
-                                                         {"a", "--frames-timed", "0"},
-                                                         {"a", "--images", ""},
-                                                         {"a", "--nonsense"}}) {
+                                               {"a", "--scene", "l-shape"},
+                                               {"a", "--techniques", ""},
+                                               {"a", "--techniques", "nonsense"},
+                                               {"a", "--techniques", "csm@map-size=1"},
+                                               {"a", "--rays", "0"},
+                                               {"a", "--rays", "many"},
+                                               {"a", "--frames-timed", "0"},
+                                               {"a", "--images", ""},
+                                               {"a", "--nonsense"}}) {
         const auto line = parse(arguments);
         ASSERT_FALSE(bool(line));
         EXPECT_EQ(line.error().kind, ErrorKind::Usage);
@@ -84,7 +84,8 @@ TEST(Evaluate, JsonPicturesAndPlotOfASmallScene) {
     const Ran ran = run(std::string(kSmall) +
                         "--techniques csm+receiver-plane+pcss:16,32,csm+constant:1+none,paraboloid "
                         "--json --images '" +
-                        folder / "new/images" + "' --plot '" + folder / "p.svg" + "'");
+                        folder / "new/images" + "' --plot '" + folder / "p.svg" +
+                        "' --frame-report '" + folder / "r.json" + "'");
     ASSERT_EQ(ran.code, 0) << ran.err;
     EXPECT_NE(ran.err.find("warning: paraboloid: this scene has no lamp"), std::string::npos);
     const auto json = nlohmann::json::parse(ran.out);
@@ -101,6 +102,8 @@ TEST(Evaluate, JsonPicturesAndPlotOfASmallScene) {
          {"reference.png", "reference_hard.png", "csm+receiver-plane+pcss-16-32.png",
           "csm+receiver-plane+pcss-16-32_error.png", "csm+constant-1+none_error.png"})
         EXPECT_GT(std::filesystem::file_size(folder / "new/images" + "/" + name), 100u) << name;
+    const auto report = nlohmann::json::parse(test::contentsOf(folder / "r.json"));
+    EXPECT_EQ(report["frames"].size(), 3u); // a technique each
     EXPECT_NE(test::contentsOf(folder / "p.svg").find("csm+constant:1+none"), std::string::npos);
 }
 

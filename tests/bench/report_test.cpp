@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <set>
 #include <sstream>
 
@@ -122,10 +123,9 @@ TEST(Report, FalseColoursTellTheVerdictsApart) {
     Picture scene{6, 1, std::vector<std::uint8_t>(18, 100)};
     const Picture out = errorPicture(scene, verdicts);
     ASSERT_EQ(out.rgb.size(), 18u);
-    std::set<std::vector<std::uint8_t>> colours;
-    for (std::size_t i = 0; i < 6; ++i)
-        colours.insert(
-            {out.rgb.begin() + std::ptrdiff_t(3 * i), out.rgb.begin() + std::ptrdiff_t(3 * i + 3)});
+    std::set<std::array<int, 3>> colours;
+    for (std::size_t i = 0; i < 18; i += 3)
+        colours.insert({out.rgb[i], out.rgb[i + 1], out.rgb[i + 2]});
     EXPECT_EQ(colours.size(), 5u); // what is not asked stays grey, as what is right
     EXPECT_EQ(out.rgb[0], out.rgb[1]);
     EXPECT_GT(out.rgb[6], out.rgb[8]);  // red

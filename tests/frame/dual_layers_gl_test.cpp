@@ -211,7 +211,8 @@ TEST(DualLayers, LieHalfWayToTheSecondButNoFartherThanTheOffset) {
         return pass.read(0);
     };
     const std::span<const render::DrawItem> both = passes.items();
-    std::vector<render::DrawItem> onlyRoof, onlyGround;
+    std::vector<render::DrawItem> onlyRoof, onlyGround, twice(both.begin(), both.end());
+    twice.insert(twice.end(), both.begin(), both.end());
     for (const render::DrawItem& item : both)
         (item.tileId == 0 ? onlyGround : onlyRoof).push_back(item);
     const std::vector<float> a = map("constant", onlyRoof), b = map("constant", onlyGround);
@@ -222,6 +223,7 @@ TEST(DualLayers, LieHalfWayToTheSecondButNoFartherThanTheOffset) {
           std::pair("dual-atomic:1", 1.0), std::pair("dual-peel:30", 30.0)}) {
         const auto most = float(std::min(metres / cascade.depthRangeMetres, 0.5));
         const std::vector<float> dual = map(bias, both);
+        EXPECT_EQ(dual, map(bias, twice)) << bias; // the same surface again is no second layer
         for (std::size_t i = 0; i < dual.size(); ++i) {
             const float first = std::max(a[i], b[i]), second = std::min(a[i], b[i]);
             const float half = 0.5f * (first - second);
@@ -232,6 +234,78 @@ TEST(DualLayers, LieHalfWayToTheSecondButNoFartherThanTheOffset) {
     }
     EXPECT_GT(between, 5000u);
     EXPECT_GT(offset, 5000u);
+}
+
+namespace {
+
+// A sheet over another; of the upper one a texture leaves half.
+std::string cutOutSheetOverASheet() {
+    GlbBuilder builder;
+    const auto sheet = [&](float half, float height) -> Json& {
+        return builder.triangles(
+            {-half, height, half, half, height, half, half, height, -half, -half, height, -half},
+            {0, 1, 2, 0, 2, 3});
+    };
+    sheet(12.0f, 4.0f);
+    Json& leaves = sheet(20.0f, 9.0f);
+    leaves["attributes"]["TEXCOORD_0"] = builder.floats({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2");
+    leaves["material"] = 0;
+    const std::string png = pngOf(2, 1, 4, std::string("\xff\xff\xff\x00\xff\xff\xff\xff", 8));
+    builder.root["images"] = Json::array(
+        {{{"bufferView", builder.view(png.data(), png.size())}, {"mimeType", "image/png"}}});
+    builder.root["textures"] = Json::array({{{"source", 0}}});
+    builder.root["materials"] =
+        Json::array({{{"alphaMode", "MASK"},
+                      {"doubleSided", true},
+                      {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}});
+    return builder.text();
+}
+
+} // namespace
+
+TEST(DualLayers, SeeThroughWhatATextureCutsOut) {
+    Folder folder;
+    SceneOptions open;
+    open.inputs = {folder.write("scene.glb", cutOutSheetOverASheet())};
+    open.placement = Placement{kCologne, 0.0};
+    Scene scene = mustOpen(open);
+    const Camera camera = cameraFor(ecefFromEnu(kCologne), {{-30, -35, 25}, {0, 0, 0}});
+    Passes passes(scene, kCologne.heightMetres);
+    passes.load(camera);
+    ShadowSettings settings = technique("single+constant+none", 512);
+    passes.fit(camera, sunFromAngles(200, 50, kCologne), settings);
+    std::vector<render::DrawItem> solid;
+    for (const render::DrawItem& item : passes.items())
+        if (!item.tile->material(*item.mesh).look.alphaTest)
+            solid.push_back(item);
+    ASSERT_EQ(solid.size() + 1, passes.items().size());
+    CascadePass pass;
+    render::GpuTimer timer;
+    const auto map = [&](const char* bias, std::span<const render::DrawItem> items) {
+        EXPECT_FALSE(parseShadowBias(bias, settings));
+        timer.start();
+        pass.draw(passes.cascades(), settings, items, timer);
+        return pass.read(0);
+    };
+    const std::vector<float> nearest = map("constant", passes.items()),
+                             nearestSolid = map("constant", solid),
+                             peeled = map("dual-peel:1e4", passes.items()),
+                             atomic = map("dual-atomic:1e4", passes.items()),
+                             peeledSolid = map("dual-peel:1e4", solid);
+    EXPECT_EQ(peeled, atomic);
+    std::size_t leaves = 0, holes = 0;
+    for (std::size_t i = 0; i < peeled.size(); ++i)
+        if (nearest[i] > nearestSolid[i]) { // half way to whatever is solid below
+            ++leaves;
+            const float half = 0.5f * (nearest[i] - nearestSolid[i]);
+            ASSERT_EQ(peeled[i], nearest[i] - std::min(half, 0.5f)) << i;
+        } else { // as if the leaves were not there
+            ++holes;
+            ASSERT_EQ(peeled[i], peeledSolid[i]) << i;
+        }
+    std::printf("[ measured ] %zu texels of leaves, %zu without\n", leaves, holes);
+    EXPECT_GT(leaves, 1000u);
+    EXPECT_GT(holes, 1000u);
 }
 
 TEST(DualLayers, TakeTheMemoryThatTheyNeedAndNoMore) {

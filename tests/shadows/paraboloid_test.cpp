@@ -347,20 +347,3 @@ TEST(CutTriangle, LeavesWhatIsBehindAndStopsWhenToldTo) {
     std::printf("[ measured ] a floor that fills the hemisphere: %zu triangles\n", cut);
     EXPECT_LT(cut, 15000u);
 }
-
-TEST(CutTriangle, KnowsItsNearestPoint) {
-    Directions random;
-    for (int i = 0; i < 300; ++i) {
-        const LampTriangle t{{random.uniform(0.5, 5.0) * random.next(),
-                              random.uniform(0.5, 5.0) * random.next(),
-                              random.uniform(0.5, 5.0) * random.next()}};
-        double least = 1e9;
-        constexpr int kSteps = 200;
-        for (int u = 0; u <= kSteps; ++u)
-            for (int v = 0; u + v <= kSteps; ++v)
-                least = std::min(least, glm::length(t[0] + (t[1] - t[0]) * (double(u) / kSteps) +
-                                                    (t[2] - t[0]) * (double(v) / kSteps)));
-        EXPECT_LE(nearestDistance(t), least + 1e-12);
-        EXPECT_NEAR(nearestDistance(t), least, 0.06);
-    }
-}

@@ -40,7 +40,7 @@ nlohmann::json lampsJson(const std::vector<StreetLamp>& lamps, const Geodetic& a
                         {"facing", lamp.allRound ? "all" : "down"},
                         {"range", lamp.allRound ? 30.0 : 45.0}};
         // Warm white; on the street below as bright as an overcast day would leave it.
-        const double power = lamp.allRound ? 25.0 : 110.0;
+        const double power = lamp.allRound ? 25.0 : 80.0;
         properties["power"] = {power, 0.76 * power, 0.48 * power};
         features.push_back(
             {{"type", "Feature"},
