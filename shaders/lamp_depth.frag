@@ -22,21 +22,16 @@ const float BEYOND = 0.95;
 // edge on would come far towards the lamp and shade what is beside it. A receiver allows for faces that
 // rise by 2 a unit sideways (NEIGHBOUR_SLOPE in lamp.frag), so it comes no nearer than that.
 float metresTo(int at, vec3 direction) {
-    vec3 plane = texelFetch(planes, at).xyz;
-    vec3 corner[3];
-    for (int i = 0; i < 3; ++i)
-        corner[i] = texelFetch(planes, at + 1 + i).xyz;
-    float farthest = sqrt(max(dot(corner[0], corner[0]), max(dot(corner[1], corner[1]), dot(corner[2], corner[2]))));
-    float outward = dot(cross(corner[0], corner[1]), corner[2]) < 0.0 ? 1.0 : -1.0;
+    vec4 plane = texelFetch(planes, at);
+    vec3 side0 = texelFetch(planes, at + 1).xyz, side1 = texelFetch(planes, at + 2).xyz,
+         side2 = texelFetch(planes, at + 3).xyz;
     // The nearest direction that is not past any edge.
-    vec3 within = direction;
-    for (int i = 0; i < 3; ++i) {
-        vec3 side = cross(corner[i], corner[(i + 1) % 3]) * outward;
-        within -= max(dot(side, within), 0.0) / max(dot(side, side), 1e-30) * side;
-    }
-    float inverse = dot(plane, direction), inverseWithin = dot(plane, within);
-    float onPlane = inverse * farthest > BEYOND ? 1.0 / inverse : farthest / BEYOND;
-    float onBorder = inverseWithin * farthest > 1.0 ? 1.0 / inverseWithin : farthest;
+    vec3 within = direction - min(dot(side0, direction), 0.0) * side0;
+    within -= min(dot(side1, within), 0.0) * side1;
+    within -= min(dot(side2, within), 0.0) * side2;
+    float inverse = dot(plane.xyz, direction), inverseWithin = dot(plane.xyz, within);
+    float onPlane = inverse * plane.w > BEYOND ? 1.0 / inverse : plane.w / BEYOND;
+    float onBorder = inverseWithin * plane.w > 1.0 ? 1.0 / inverseWithin : plane.w;
     float past = length(direction - within);
     return past > 0.0 ? max(onPlane, onBorder * (1.0 - 2.0 * past)) : onPlane;
 }

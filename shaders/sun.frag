@@ -1,6 +1,6 @@
 #version 450 core
 // Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_JITTER, FILTER_PCSS (also with
-// PENUMBRA_RATIO), or none of them when there are no cascades; with one of BIAS_CONSTANT, BIAS_SLOPE,
+// PENUMBRA_RATIO or WIDE_PENUMBRAE), or none of them when there are no cascades; with one of BIAS_CONSTANT, BIAS_SLOPE,
 // BIAS_NORMAL where one bias holds for all texels, none of them where each is compared with the receiver's
 // plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where
 // others would branch: a software rasteriser runs both sides of a branch, but leaves a loop when no pixel
@@ -201,16 +201,24 @@ float boxFilter(Receiver r, float width) {
 #endif
 
 #ifdef FILTER_PCSS
-// Blockers with a narrow penumbra and those with a wide one are told apart by their gap: the mean of both
-// is the penumbra of neither, and a house in the rim of a mountain's shadow would lose its own.
+// Where penumbrae may be much wider than a dense disc (WIDE_PENUMBRAE), blockers with a narrow one and those
+// with a wide one are told apart by their gap: the mean of both is the penumbra of neither, and a house in
+// the rim of a mountain's shadow would lose its own.
 struct Group {
     float fromGap, toGap; // metres
 };
+const Group EVERY = Group(0.0, 1e30);
+float narrowGap(Receiver r) { return DENSE_RADIUS * cascadeOffset[r.cascade].w / toSun.w; }
+
 vec4 lit(vec4 gap, Group group) {
+#ifdef WIDE_PENUMBRAE
     return vec4(lessThanEqual(gap, vec4(group.fromGap))) + vec4(greaterThan(gap, vec4(group.toGap)));
+#else
+    return lit(gap);
+#endif
 }
 
-// The share of sun that a group of blockers leaves; all of it where `asked` is false.
+// The share of sun that a filter finds; all of it, and no work, where it is not `asked`.
 // Every texel below a disc, those at its rim by their share.
 float denseDisc(Receiver r, float radius, Group group, bool asked) {
     vec2 first = floor(r.lattice - radius - 0.5);
@@ -244,7 +252,7 @@ float sampledDisc(Receiver r, float radius, Group group, bool asked) {
     return asked ? share(sum, total) : 1.0;
 }
 
-#ifndef PENUMBRA_RATIO
+#ifdef WIDE_PENUMBRAE
 // What stands on the ground stands in the way of a ray from its foot to its top: a house, not a mountain
 // far behind. Blockers so many times beyond the narrow ones still count as these.
 const float SOLID = 8.0;
@@ -261,7 +269,8 @@ float bilinear(Receiver r, vec2 at, Group group) {
 
 // Both groups at once: each tap is a ray to a point of the sun, and passes the narrow group's blockers as
 // much nearer to the middle as their penumbra is narrower.
-float twoDiscs(Receiver r, float narrow, Group narrowGroup, float wide, Group wideGroup, bool asked) {
+float twoDiscs(Receiver r, float narrow, float wide, bool asked) {
+    Group narrowGroup = Group(0.0, SOLID * narrowGap(r)), wideGroup = Group(narrowGap(r), 1e30);
     int count = asked ? int(filter_.w) : 0;
     float sum = 0.0;
     vec2 arm = vec2(inversesqrt(filter_.w), 0.0);
@@ -274,28 +283,33 @@ float twoDiscs(Receiver r, float narrow, Group narrowGroup, float wide, Group wi
 #endif
 
 struct Blockers {
-    vec2 count, gapSum; // with a narrow penumbra, with a wide one
-    float litCount;
+    float count, gapSum, litCount;
+#ifdef WIDE_PENUMBRAE
+    float wideCount, wideGapSum; // of these, those with a wide penumbra
+#endif
 };
 
-void look(Receiver r, vec2 corner, float radius, float narrow, inout Blockers found) {
+void look(Receiver r, vec2 corner, float radius, inout Blockers found) {
     vec4 dx, dy, says;
     vec4 gap = gaps(r, corner, dx, dy, says);
 #ifdef ONE_BIAS
     // The bias is enough for texels this near only.
     says *= vec4(lessThan(max(abs(dx), abs(dy)), vec4(radius + 0.5)));
     vec4 blocks = says * vec4(greaterThan(gap, vec4(0.0)));
+    float count = dot(blocks, vec4(1.0));
+    found.gapSum += dot(gap, blocks) + count * r.raise;
 #else
     vec4 blocks = vec4(greaterThan(gap, vec4(0.0)));
+    float count = dot(blocks, vec4(1.0));
+    found.gapSum += dot(gap, vec4(1.0));
 #endif
-    vec4 wide = blocks * vec4(greaterThan(gap, vec4(narrow)));
-    vec2 count = vec2(dot(blocks - wide, vec4(1.0)), dot(wide, vec4(1.0)));
-    found.gapSum += vec2(dot(gap, blocks - wide), dot(gap, wide));
-#ifdef ONE_BIAS
-    found.gapSum += count * r.raise;
+#ifdef WIDE_PENUMBRAE
+    blocks *= vec4(greaterThan(gap, vec4(narrowGap(r))));
+    found.wideCount += dot(blocks, vec4(1.0));
+    found.wideGapSum += dot(gap, blocks);
 #endif
     found.count += count;
-    found.litCount += dot(says, vec4(1.0)) - count.x - count.y;
+    found.litCount += dot(says, vec4(1.0)) - count;
 }
 
 // Half the width, in texels, of the penumbra of a blocker so far before the receiver.
@@ -329,18 +343,17 @@ float widestPenumbra(Receiver r) {
 float pcss(Receiver receiver) {
     float search = widestPenumbra(receiver);
     Receiver r = biased(receiver, search);
-#ifdef PENUMBRA_RATIO
-    float narrow = 0.0; // as other engines do: all in one
+#ifdef WIDE_PENUMBRAE
+    Blockers found = Blockers(0.0, 0.0, 0.0, 0.0, 0.0);
 #else
-    float narrow = DENSE_RADIUS * cascadeOffset[r.cascade].w / toSun.w;
+    Blockers found = Blockers(0.0, 0.0, 0.0);
 #endif
-    Blockers found = Blockers(vec2(0.0), vec2(0.0), 0.0);
     if (search <= DENSE_RADIUS) {
         vec2 first = floor(r.lattice - search - 0.5);
         int quads = int(ceil(search)) + 1;
         for (int j = 0; j < quads; ++j)
             for (int i = 0; i < quads; ++i)
-                look(r, first + 2.0 * vec2(i, j), search, narrow, found);
+                look(r, first + 2.0 * vec2(i, j), search, found);
     } else {
         // The spiral may miss what stands close by: four quads around the receiver come first.
         int count = int(filter_.z);
@@ -348,28 +361,32 @@ float pcss(Receiver receiver) {
         for (int i = -4; i < count; ++i, arm = GOLDEN_TURN * arm) {
             vec2 near = floor(r.lattice - 1.5) + 2.0 * vec2(i & 1, (i >> 1) & 1);
             vec2 wide = floor(r.lattice + sqrt(max(float(i), 0.0) + 0.5) * arm - 0.5);
-            look(r, i < 0 ? near : wide, search, narrow, found);
+            look(r, i < 0 ? near : wide, search, found);
         }
     }
     if (found.litCount == 0.0)
         return 0.0;
-    if (found.count.x + found.count.y == 0.0)
+    if (found.count == 0.0)
         return 1.0;
-    vec2 gap = found.gapSum / max(found.count, vec2(1.0));
-    bool narrowOnly = found.count.y == 0.0, wideOnly = found.count.x == 0.0;
-    float radius = clamp(penumbra(receiver, gap.x), 1.0, search);
-    float wide = clamp(penumbra(receiver, gap.y), 1.0, search);
-    Group near = Group(0.0, narrow), far = Group(narrow, 1e30);
-#ifdef PENUMBRA_RATIO
-    r = biased(receiver, wide);
-    return wide <= DENSE_RADIUS ? denseDisc(r, wide, far, true) : sampledDisc(r, wide, far, true);
+#ifdef WIDE_PENUMBRAE
+    bool mixed = found.wideCount > 0.0 && found.wideCount < found.count;
+    Group group = found.wideCount > 0.0 ? Group(narrowGap(r), 1e30) : Group(0.0, narrowGap(r));
 #else
-    // Where a group is asked alone all its light is told; at most one of the three has anything to do.
-    return denseDisc(biased(receiver, radius), radius, near, narrowOnly) *
-           sampledDisc(biased(receiver, wide), wide, far, wideOnly) *
-           twoDiscs(biased(receiver, wide), radius, Group(0.0, SOLID * narrow), wide, far,
-                    !narrowOnly && !wideOnly);
+    const Group group = EVERY;
+    const bool mixed = false;
 #endif
+    float radius = clamp(penumbra(receiver, found.gapSum / found.count), 1.0, search);
+    r = biased(receiver, radius);
+    bool dense = radius <= DENSE_RADIUS;
+    float visibility = denseDisc(r, radius, group, dense && !mixed) *
+                       sampledDisc(r, radius, group, !dense && !mixed);
+#ifdef WIDE_PENUMBRAE
+    vec2 gap = vec2(found.gapSum - found.wideGapSum, found.wideGapSum) /
+               max(vec2(found.count - found.wideCount, found.wideCount), vec2(1.0));
+    vec2 radii = clamp(vec2(penumbra(receiver, gap.x), penumbra(receiver, gap.y)), vec2(1.0), vec2(search));
+    visibility *= twoDiscs(biased(receiver, radii.y), radii.x, radii.y, mixed);
+#endif
+    return visibility;
 }
 
 #endif

@@ -3,6 +3,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gnomon {
@@ -33,6 +34,20 @@ glm::vec4 gradientOf(const LampTriangle& t, const glm::dvec3& normal, const glm:
          glm::cross(normal, t[1] - t[0]) * values[2]) /
         area2;
     return glm::vec4(glm::dvec4(g, values[0] - glm::dot(g, t[0])));
+}
+
+// The first four of LampMapTriangles::planes.
+std::array<glm::vec4, 6> planesOf(const LampTriangle& t, const glm::dvec3& normal,
+                                  double offPlane) {
+    std::array<glm::vec4, 6> record{};
+    const double farthest = std::max({glm::length(t[0]), glm::length(t[1]), glm::length(t[2])});
+    record[0] = glm::vec4(glm::dvec4(normal / offPlane, farthest));
+    for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec3 side = glm::cross(t[i], t[(i + 1) % 3]) * (offPlane < 0.0 ? -1.0 : 1.0);
+        record[1 + i] =
+            glm::vec4(glm::dvec4(side / std::max(glm::length(side), kEdgeOnMetres), 0.0));
+    }
+    return record;
 }
 
 // The triangle's image on one map, appended.
@@ -118,23 +133,18 @@ struct Writer {
         if (!(std::abs(offPlane) > kEdgeOnMetres * glm::length(normal)))
             return;
         ++out.sourceTriangles;
-        const glm::vec4 plane(glm::dvec4(normal / offPlane, 0.0));
-        glm::vec4 u(0.0f), v(0.0f);
+        std::array<glm::vec4, 6> record = planesOf(t, normal, offPlane);
         if (alpha && !mesh.uvs.empty()) {
             const auto uv = [&](std::size_t i) { return glm::dvec2(mesh.uvs[corner[i]]); };
-            u = gradientOf(t, normal, {uv(0).x, uv(1).x, uv(2).x});
-            v = gradientOf(t, normal, {uv(0).y, uv(1).y, uv(2).y});
+            record[4] = gradientOf(t, normal, {uv(0).x, uv(1).x, uv(2).x});
+            record[5] = gradientOf(t, normal, {uv(0).y, uv(1).y, uv(2).y});
         }
+        const auto end = record.begin() + (alpha ? 6 : 4);
         for (std::size_t m = 0; m < out.maps.size(); ++m) {
             LampMapTriangles& map = out.maps[m];
             const std::uint32_t pieces = images.write(int(m), t, map.corners);
-            for (std::uint32_t i = 0; i < pieces; ++i) {
-                map.planes.push_back(plane);
-                for (const glm::dvec3& p : t)
-                    map.planes.emplace_back(glm::dvec4(p, 0.0));
-                if (alpha)
-                    map.planes.insert(map.planes.end(), {u, v});
-            }
+            for (std::uint32_t i = 0; i < pieces; ++i)
+                map.planes.insert(map.planes.end(), record.begin(), end);
             (alpha ? map.alpha.back().count : map.opaque) += pieces;
         }
     }

@@ -33,9 +33,10 @@ std::vector<LampCaster> castersOf(const Lamp& lamp, std::span<const LampCaster> 
 // stored is the distance at the texel's centre, however the triangle was cut.
 struct LampMapTriangles {
     std::vector<glm::vec3> corners; // clip x, y and w; three a triangle
-    // Four a triangle: n / (n·p) of its plane, whose product with a unit direction is one over the
-    // distance; and the corners of the whole one it was cut from. Alpha-tested ones have two more:
-    // u and v of a place in the lamp's frame.
+    // Four a triangle, of the whole one it was cut from. xyz: n / (n·p) of its plane, whose product
+    // with a unit direction is one over the distance; w: its farthest corner's distance. Then, of
+    // each edge, the inward unit normal of its plane through the lamp. Alpha-tested ones have two
+    // more: u and v of a place in the lamp's frame.
     std::vector<glm::vec4> planes;
     std::uint32_t opaque = 0; // triangles, first
     struct AlphaRange {

@@ -117,10 +117,30 @@ const char* biasDefines(ShadowBias bias) {
 
 } // namespace
 
+namespace {
+
+// Penumbrae may be so much wider than the three texels of sun.frag's dense disc that narrow ones
+// among them need to be told apart; where they are not that is a fifth of the pass saved.
+bool hasWidePenumbrae(const SunPassInput& input, const ShadowSettings& settings) {
+    constexpr double kWideTexels = 16.0;
+    const double tanSun = std::tan(0.5 * settings.lightDiameterDegrees * kRadiansPerDegree);
+    const double reach =
+        std::max(input.casters.topMetres, 0.0) / std::max(input.casters.sinElevation, 1e-4);
+    for (const Cascade& cascade : input.cascades->cascades)
+        if (std::min(reach, cascade.depthRangeMetres) * tanSun > kWideTexels * cascade.texelMetres)
+            return true;
+    return false;
+}
+
+} // namespace
+
 void SunPass::use(const ShadowSettings& settings, const SunPassInput& input) {
     std::string defines;
     if (input.cascades != nullptr)
         defines = std::string(filterDefines(settings.filter)) + biasDefines(settings.bias);
+    if (settings.filter == ShadowFilter::Pcss && input.cascades != nullptr &&
+        hasWidePenumbrae(input, settings))
+        defines += " WIDE_PENUMBRAE";
     if (input.projective != nullptr) {
         defines += " PROJECTIVE";
         input.projective->bind();
