@@ -73,8 +73,8 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
     vec4 cascadeOffset[MAX_CASCADES]; // xyz: lattice x, y (texels) and depth (metres above far) of
                                       // the surface camera; w: texel metres
     vec4 cascadeSplit[MAX_CASCADES];  // x: near, y: far, z: blend starts, w: depth range metres
-    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: rounding of the map, w: bias,
-                                      // metres
+    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: rounding of the map, w:
+                                      // bias, metres
 };
 
 // One lamp and its maps; its frame is shadows/paraboloid.h's.
@@ -82,25 +82,26 @@ GNOMON_BLOCK(LampBlock, BLOCK_LAMP) {
     vec4 lampX; // the lamp's axes along the meshes'; w: the surfaces' camera in the lamp's frame
     vec4 lampY;
     vec4 lampZ;
-    vec4 lampPower;     // rgb: exposure applied; w: 1 all round, 0 only ahead
-    vec4 lampReach;     // x: near, y: range, metres; z: texels across a map; w: box width, 0 nearest
+    vec4 lampPower; // rgb: exposure applied; w: 1 all round, 0 only ahead
+    vec4 lampReach; // x: near, y: range, metres; z: texels across a map; w: box width, 0 nearest
     vec4 lampLayers[2]; // of the texture array, a map each; of the second z: texels that edges bend
 };
 
-// Maps that follow the eye's perspective; see shadows/projective.h. A row over (x, y) on the plane that
-// the sun is normal to holds xy: the factors, z: the constant.
+// Maps that follow the eye's perspective; see shadows/projective.h. A row over (x, y) on the plane
+// that the sun is normal to holds xy: the factors, z: the constant.
 GNOMON_BLOCK(ProjectiveBlock, BLOCK_PROJECTIVE) {
     vec4 projectiveAxisX; // of that plane, along the meshes' axes (unit)
     vec4 projectiveAxisY;
-    vec4 projectiveSize;                   // xy: texels of the texture, z: maps, w: cosine between
-                                           // the normals of a plane and of what may be part of it
-    vec4 projectiveX[MAX_PROJECTIVE];      // row: texels times w; w: texels of the map
+    vec4 projectiveSize;              // xy: texels of the texture, z: maps, w: cosine between
+                                      // the normals of a plane and of what may be part of it
+    vec4 projectiveX[MAX_PROJECTIVE]; // row: texels times w; w: texels of the map
     vec4 projectiveY[MAX_PROJECTIVE];
-    vec4 projectiveW[MAX_PROJECTIVE];      // row; w: the least w
-    vec4 projectiveDepth[MAX_PROJECTIVE];  // metres towards the sun = dot(xyz, p) + w
-    vec4 projectivePlane[MAX_PROJECTIVE];  // of the receivers; 0: any
-    vec4 projectiveLimits[MAX_PROJECTIVE]; // x: tolerance metres, y: the same for each w,
-                                           // z: rounding of depth / w, w: stored is depth / w · this
+    vec4 projectiveW[MAX_PROJECTIVE];     // row; w: the least w
+    vec4 projectiveDepth[MAX_PROJECTIVE]; // metres towards the sun = dot(xyz, p) + w
+    vec4 projectivePlane[MAX_PROJECTIVE]; // of the receivers; 0: any
+    vec4
+        projectiveLimits[MAX_PROJECTIVE]; // x: tolerance metres, y: the same for each w,
+                                          // z: rounding of depth / w, w: stored is depth / w · this
 };
 
 // Light and look of the composite; all linear, exposure applied.

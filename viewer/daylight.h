@@ -13,7 +13,8 @@ namespace gnomon {
 shader::LookBlock daylight(const SunPosition& sun, const Camera& camera,
                            const glm::dmat3& meshAxes);
 
-// What `daylight` multiplies all light by, as the eye opens in the dark: for light of other sources.
+// What `daylight` multiplies all light by, as the eye opens in the dark: for light of other
+// sources.
 double eyeOpening(double sunElevationDegrees);
 
 // Share of the sun's disc above the horizon of an eye at this height, 0…1.

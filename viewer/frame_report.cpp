@@ -60,12 +60,9 @@ Json frameJson(const ReportedFrame& frame) {
     json["triangles"] = f.triangles;
     json["draws"] = f.draws;
     json["cpu_ms"] = {{"select", f.selectMs}, {"upload", f.uploadMs}, {"total", f.totalMs}};
-    json["gpu_ms"] = {{"depth", f.depthMs},
-                      {"visibility", f.visibilityMs},
-                      {"sun", f.sunMs},
-                      {"lamps", f.lampMs},
-                      {"shading", f.compositeMs},
-                      {"total", f.gpuTotalMs}};
+    json["gpu_ms"] = {{"depth", f.depthMs},       {"visibility", f.visibilityMs},
+                      {"sun", f.sunMs},           {"lamps", f.lampMs},
+                      {"shading", f.compositeMs}, {"total", f.gpuTotalMs}};
     json["cascades"] = cascadesJson(f.cascades);
     json["files"] = frame.files;
     return json;

@@ -264,6 +264,7 @@ std::string cutOutSheetOverASheet() {
 } // namespace
 
 TEST(DualLayers, SeeThroughWhatATextureCutsOut) {
+    softwareContext();
     Folder folder;
     SceneOptions open;
     open.inputs = {folder.write("scene.glb", cutOutSheetOverASheet())};

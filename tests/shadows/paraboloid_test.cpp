@@ -292,6 +292,11 @@ TEST(CutTriangle, HasNoEdgeOffByMoreThanAskedAndCoversTheSame) {
     for (int round = 0; round < 60; ++round) {
         const auto corner = [&] { return random.uniform(0.5, 20.0) * random.next(); };
         const glm::dvec3 a = corner(), b = corner(), c = corner();
+        std::vector<LampTriangle> cut;
+        cutTriangle({a, b, c}, limit, maps, 1u << 20, cut);
+        for (const LampTriangle& t : cut)
+            for (std::size_t i = 0; i < 3; ++i)
+                EXPECT_LE(edgeBend(t[i], t[(i + 1) % 3]), limit);
         const std::vector<MapTriangle> pieces = images({a, b, c}, limit, maps);
         // Rays from the lamp hit the triangle where a piece covers the map, edges aside.
         const glm::dmat3 inverse = glm::inverse(glm::dmat3(a, b, c));
