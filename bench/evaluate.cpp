@@ -44,6 +44,8 @@ void noteTimes(const std::vector<FrameFacts>& frames, Row& row) {
         row.depthMs.push_back(medianOf(frames, [i](const FrameFacts& f) {
             return i < f.depthMs.size() ? f.depthMs[i] : 0.0;
         }));
+    if (frames.back().resolveMs > 0.0)
+        row.resolveMs = medianOf(frames, [](const FrameFacts& f) { return f.resolveMs; });
     row.bytes = frames.back().shadowBytes;
     for (const CascadeFacts& cascade : frames.back().cascades)
         row.texelMetres.push_back(cascade.texelMetres);

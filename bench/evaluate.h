@@ -34,6 +34,7 @@ struct Row {
     double frameMs = 0.0;       // by the clock, the choice of tiles and all
     double gpuMs = 0.0, visibilityMs = 0.0, sunMs = 0.0;
     std::vector<double> depthMs;     // a value a map
+    std::optional<double> resolveMs; // of all maps, where two layers become a depth
     std::size_t bytes = 0;           // of the maps
     std::vector<double> texelMetres; // a value a cascade
     FrameFacts facts;                // of the last frame timed

@@ -46,7 +46,9 @@ struct Column {
 };
 
 std::vector<Column> columns(std::span<const Row> rows) {
-    const double first = rows.empty() ? 0.0 : rows.front().frameMs;
+    const auto timed =
+        std::find_if(rows.begin(), rows.end(), [](const Row& r) { return !r.error; });
+    const double first = timed == rows.end() ? 0.0 : timed->frameMs;
     const auto metric = [](double Metrics::*value) {
         return [value](const Row& r) { return percent(r.comparison.metrics.*value); };
     };
@@ -162,7 +164,7 @@ Json rowJson(const Row& row) {
     json["gpu_ms"] = timed(row.gpuMs);
     json["visibility_ms"] = timed(row.visibilityMs);
     json["depth_ms"] = measured ? Json(row.depthMs) : Json(nullptr);
-    json["resolve_ms"] = nullptr; // part of depth_ms: a map is resolved right after it is drawn
+    json["resolve_ms"] = orNull(row.resolveMs);
     json["sun_ms"] = timed(row.sunMs);
     json["bytes"] = measured ? Json(row.bytes) : Json(nullptr);
     json["texel_metres"] = measured ? Json(row.texelMetres) : Json(nullptr);

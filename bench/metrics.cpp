@@ -112,7 +112,7 @@ bool Comparer::inBand(std::uint32_t pixel) const {
     return rays.changesWithin(s.position, s.normal, light, answer.soft, radius);
 }
 
-// Of each wrong pixel: in the band or not, acne or leak or neither.
+// Of each wrong pixel: in the band or not; outside it, acne or leak or neither.
 void Comparer::judge() {
     std::vector<std::uint8_t> near(wrong.size()), far(wrong.size());
     inParallel(wrong.size(), 64, 0, [&](std::size_t begin, std::size_t end) {
@@ -131,8 +131,9 @@ void Comparer::judge() {
         Verdict& verdict = out.verdicts[wrong[i]];
         const bool isLit = verdict == Verdict::FalseLit;
         ++(isLit ? lit : shadow)[near[i]];
-        (isLit ? leak : acne) += far[i];
-        if (near[i])
+        if (!near[i])
+            (isLit ? leak : acne) += far[i];
+        else
             verdict = isLit ? Verdict::FalseLitInBand : Verdict::FalseShadowInBand;
     }
     const double all = double(std::max<std::size_t>(asked.size(), 1));

@@ -36,7 +36,7 @@ struct Metrics {
     double falseLit = 0.0, falseShadow = 0.0;       // outside the band, of litFacing
     double falseLitAll = 0.0, falseShadowAll = 0.0; // in the whole picture
     double meanAbsolute = 0.0, rootMeanSquare = 0.0;
-    // Of what is false in the whole picture: shadow without any reference shadow within 2 texels,
+    // Of what is false outside the band: shadow without any reference shadow within 2 texels,
     // light within 2 texels of an occluder's contact.
     double acne = 0.0, leak = 0.0;
     // Mean distance of the contours of V = ½, a contour without a counterpart counted as

@@ -7,6 +7,7 @@
 #include "interface.h"
 #include "surface.glsl"
 #include "lamp.glsl"
+#include "shadow_texels.glsl"
 
 layout(binding = TEX_DEPTH) uniform sampler2D depthTexture;
 layout(binding = TEX_NORMALS) uniform sampler2D normalTexture;
@@ -16,8 +17,6 @@ in vec2 ndc;
 layout(location = 0) out vec4 outLight;
 layout(location = 1) out vec2 outVisibility; // 0…1, -1 sky; metres across the texel it is from, 0 none
 
-// As in sun.frag: how much faster than the receiver's plane a face that meets it may rise.
-const float NEIGHBOUR_SLOPE = 2.0;
 // Sine of the height over the rim below which a lamp that lights a half space fades: about 5°.
 const float RIM = 0.09;
 
@@ -30,10 +29,6 @@ struct Receiver {
     float tolerance, toleranceSlope; // metres; metres a metre sideways
     float texelMetres;
 };
-
-// In the order of textureGather.
-const vec4 GATHER_X = vec4(0.5, 1.5, 1.5, 0.5);
-const vec4 GATHER_Y = vec4(1.5, 1.5, 0.5, 0.5);
 
 // What the 2×2 texels from `corner` on say: how far before the receiver's plane each stands, 0 where it
 // does not block; `says` is 0 for one that could as well be the face next to the receiver's own.
@@ -80,11 +75,9 @@ float boxFilter(Receiver r, vec2 centre, float width) {
     for (int j = 0; j < quads; ++j)
         for (int i = 0; i < quads; ++i) {
             vec4 dx, dy, says;
-            vec4 shade = vec4(lessThanEqual(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says), vec4(0.0)));
+            vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
             vec4 x = dx + r.texel.x, y = dy + r.texel.y;
-            vec4 wx = clamp(min(x + 0.5, high.x) - max(x - 0.5, low.x), 0.0, 1.0);
-            vec4 wy = clamp(min(y + 0.5, high.y) - max(y - 0.5, low.y), 0.0, 1.0);
-            vec4 weight = says * wx * wy;
+            vec4 weight = boxWeights(says, x, y, low, high);
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }

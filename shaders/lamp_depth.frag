@@ -20,7 +20,7 @@ const float BEYOND = 0.95;
 // Where an edge is drawn outside the true one, a texel's direction passes the triangle by. Its plane
 // goes on there, as the face beside it does when that lies in the same plane; but a plane seen nearly
 // edge on would come far towards the lamp and shade what is beside it. A receiver allows for faces that
-// rise by 2 a unit sideways (NEIGHBOUR_SLOPE in lamp.frag), so it comes no nearer than that.
+// rise by 2 a unit sideways (NEIGHBOUR_SLOPE in shadow_texels.glsl), so it comes no nearer than that.
 float metresTo(int at, vec3 direction) {
     vec4 plane = texelFetch(planes, at);
     vec3 side0 = texelFetch(planes, at + 1).xyz, side1 = texelFetch(planes, at + 2).xyz,

@@ -1,5 +1,5 @@
 // Shadow from the maps that follow the eye's perspective (shadows/projective.h), for sun.frag. Wants
-// interface.h before it, and one of sun.frag's FILTER_ words.
+// interface.h and shadow_texels.glsl before it, and one of sun.frag's FILTER_ words.
 //
 // Depths here are metres towards the sun over w: linear across a map on every plane, so the receiver's own
 // plane tells what any texel would hold did nothing stand before it. Only sideways distances and penumbrae
@@ -19,37 +19,26 @@ struct Projected {
     float reach;          // metres to the farthest possible blocker
 };
 
-const float PROJECTIVE_NEIGHBOUR_SLOPE = 2.0; // see NEIGHBOUR_SLOPE in sun.frag
-const vec4 PROJECTIVE_GATHER_X = vec4(0.5, 1.5, 1.5, 0.5);
-const vec4 PROJECTIVE_GATHER_Y = vec4(1.5, 1.5, 0.5, 0.5);
-const mat2 PROJECTIVE_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368878); // golden angle
-
 // What four texels say, as gaps() in sun.frag, in metres before the receiver's plane.
 vec4 projectiveGaps(Projected r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec2 base = clamp(corner, vec2(0.0), vec2(projectiveX[r.map].w, projectiveY[r.map].w) - 2.0);
     vec2 uv = (base + 1.0) / projectiveSize.xy;
     vec4 stored = textureGather(projectiveMaps, vec3(uv, float(r.map)));
     vec4 depth = stored / projectiveLimits[r.map].w;
-    dx = base.x + PROJECTIVE_GATHER_X - r.lattice.x;
-    dy = base.y + PROJECTIVE_GATHER_Y - r.lattice.y;
+    dx = base.x + GATHER_X - r.lattice.x;
+    dy = base.y + GATHER_Y - r.lattice.y;
     vec4 gap = depth - (r.depth + r.gradient.x * dx + r.gradient.y * dy) - r.tolerance;
     vec4 sx = r.metres[0].x * dx + r.metres[1].x * dy;
     vec4 sy = r.metres[0].y * dx + r.metres[1].y * dy;
     vec4 neighbour = r.toleranceSlope * sqrt(sx * sx + sy * sy) / r.w;
     // Where nothing was drawn nothing blocks.
     bvec4 before = greaterThan(min(gap, stored), vec4(0.0));
-    vec2 tilt = 0.5 * vec2(depth.y - depth.x + depth.z - depth.w, depth.x - depth.w + depth.y - depth.z) -
-                r.gradient;
-    bool planar = all(before) && abs(depth.x - depth.y + depth.z - depth.w) < 4.0 * r.tolerance;
-    float doubt = 2.0 * r.tolerance * (abs(dx.x) + abs(dy.x)) + 0.02 * r.texel / r.w;
-    bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
-    bvec4 clear = planar ? bvec4(above) : greaterThan(gap, neighbour);
+    bvec4 clear = standsClear(before, depth, gap, neighbour, r.gradient, dx, dy, r.tolerance,
+                              0.02 * r.texel / r.w);
     clear = greaterThan(vec4(before) * vec4(clear), vec4(0.0));
     says = vec4(not(before)) + vec4(clear);
     return mix(vec4(0.0), gap * r.w, clear);
 }
-
-vec4 projectiveLit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
 
 #if defined(FILTER_BOX) || defined(FILTER_JITTER)
 // A box of full width `width` texels with exact coverage at its rim; width 1 is bilinear.
@@ -61,15 +50,13 @@ float projectiveBox(Projected r, float width) {
     for (int j = 0; j < quads; ++j)
         for (int i = 0; i < quads; ++i) {
             vec4 dx, dy, says;
-            vec4 shade = projectiveLit(projectiveGaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
+            vec4 shade = lit(projectiveGaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
             vec4 x = dx + r.lattice.x, y = dy + r.lattice.y;
-            vec4 wx = clamp(min(x + 0.5, high.x) - max(x - 0.5, low.x), 0.0, 1.0);
-            vec4 wy = clamp(min(y + 0.5, high.y) - max(y - 0.5, low.y), 0.0, 1.0);
-            vec4 weight = says * wx * wy;
+            vec4 weight = boxWeights(says, x, y, low, high);
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }
-    return total > 0.0 ? sum / total : 0.0;
+    return share(sum, total);
 }
 #endif
 
@@ -81,7 +68,7 @@ float projectivePcss(Projected r) {
     int count = int(filter_.z);
     float blockers = 0.0, gapSum = 0.0, litCount = 0.0;
     vec2 arm = vec2(search * inversesqrt(float(count)), 0.0);
-    for (int i = -4; i < count; ++i, arm = PROJECTIVE_TURN * arm) {
+    for (int i = -4; i < count; ++i, arm = GOLDEN_TURN * arm) {
         // The four quads around the receiver first, which the spiral may miss.
         vec2 near = floor(r.lattice - 1.5) + 2.0 * vec2(i & 1, (i >> 1) & 1);
         vec2 wide = floor(r.lattice + texels * (sqrt(max(float(i), 0.0) + 0.5) * arm) - 0.5);
@@ -100,16 +87,16 @@ float projectivePcss(Projected r) {
     int taps = int(filter_.w);
     float sum = 0.0, total = 0.0;
     arm = vec2(radius * inversesqrt(float(taps)), 0.0);
-    for (int i = 0; i < taps; ++i, arm = PROJECTIVE_TURN * arm) {
+    for (int i = 0; i < taps; ++i, arm = GOLDEN_TURN * arm) {
         vec2 tap = r.lattice + texels * (sqrt(float(i) + 0.5) * arm) - 0.5;
         vec2 f = fract(tap), g = 1.0 - f;
         vec4 dx, dy, says;
-        vec4 shade = projectiveLit(projectiveGaps(r, floor(tap), dx, dy, says));
+        vec4 shade = lit(projectiveGaps(r, floor(tap), dx, dy, says));
         vec4 weight = says * vec4(g.x * f.y, f.x * f.y, f.x * g.y, g.x * g.y);
         sum += dot(shade, weight);
         total += dot(weight, vec4(1.0));
     }
-    return total > 0.0 ? sum / total : 0.0;
+    return share(sum, total);
 }
 #endif
 
@@ -165,11 +152,11 @@ float projectiveVisibility(vec3 position, vec3 normal, float distance, out float
     // 16 bits count by how far sideways a texel is.
     float rounding = rows * 1.2e-4 + distance * (1e-6 * rows + 2.4e-7 * sqrt(steep2));
     r.tolerance = projectiveLimits[r.map].z + rounding / r.w;
-    r.toleranceSlope = PROJECTIVE_NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2);
+    r.toleranceSlope = NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2);
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, r.w / projectiveLimits[r.map].w);
 #if defined(FILTER_NONE)
     vec4 dx, dy, says;
-    return projectiveLit(projectiveGaps(r, floor(r.lattice), dx, dy, says)).w;
+    return lit(projectiveGaps(r, floor(r.lattice), dx, dy, says)).w;
 #elif defined(FILTER_BOX)
     return projectiveBox(r, filter_.x);
 #elif defined(FILTER_JITTER)

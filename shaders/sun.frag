@@ -15,6 +15,7 @@
 // from the window's corner.
 #include "interface.h"
 #include "surface.glsl"
+#include "shadow_texels.glsl"
 
 layout(binding = TEX_DEPTH) uniform sampler2D depthTexture;
 layout(binding = TEX_NORMALS) uniform sampler2D normalTexture;
@@ -26,17 +27,6 @@ layout(location = 1) out float outCascade; // index / 255; 128 and more: project
 
 // A dense disc reads every texel below it; beyond this radius samples are spread instead.
 const float DENSE_RADIUS = 3.0;
-// Turns by the golden angle, 137.5°: the next arm of the spiral that samples a disc (Vogel, 1979).
-const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368878);
-// Two lit faces that meet in a hollow, as a wall and the ground before it, must not shade each other.
-// From there a face rises by tan b for each unit sideways, b the angle between the sun and its normal, and
-// no higher above the receiver than that where the receiver's own plane falls towards the edge, or than
-// that over the plane where it rises. A texel that stands no higher says nothing: it may be the
-// neighbouring face or a blocker that touches; tan b is taken as this (63°), more for a steep receiver,
-// whose neighbours are likely to be steep too: two walls in a corner. Where its 2×2 quad is a plane, that
-// plane tells: continued to the receiver, the neighbouring face passes below it and a blocker above.
-const float NEIGHBOUR_SLOPE = 2.0;
-const float STEEP_NEIGHBOURS = 0.15; // a share of NEIGHBOUR_SLOPE for each unit of the receiver's slope
 #if defined(BIAS_CONSTANT) || defined(BIAS_SLOPE) || defined(BIAS_NORMAL)
 #define ONE_BIAS
 #endif
@@ -55,7 +45,6 @@ struct Receiver {
 #else
     vec2 gradient; // of depth on the receiver's plane, metres a texel
     float toleranceSlope; // metres a texel of distance sideways
-    float steepness; // by which neighbouring faces may be steeper
 #endif
     float tolerance; // rounding, metres
     float reach;     // metres to the farthest possible blocker
@@ -96,9 +85,6 @@ vec4 gatherDepth(int cascade, vec2 corner, out vec2 base) {
     return textureGather(cascadeMaps, vec3(uv, float(cascade))) * cascadeSplit[cascade].w;
 }
 
-const vec4 GATHER_X = vec4(0.5, 1.5, 1.5, 0.5);
-const vec4 GATHER_Y = vec4(1.5, 1.5, 0.5, 0.5);
-
 // What four texels say: how far each stands before the receiver's plane (0 where it does not block),
 // and in `says` 1, or 0 for one that could as well be the face next to the receiver's own.
 vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
@@ -112,31 +98,20 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
 #else
     vec4 plane = r.gradient.x * dx + r.gradient.y * dy;
     vec4 gap = depth - (r.depth + plane) - r.tolerance;
-    vec4 sideways = r.toleranceSlope * sqrt(dx * dx + dy * dy);
-    vec4 neighbour = r.steepness * sideways - min(plane, vec4(0.0));
+    vec4 sideways = sqrt(dx * dx + dy * dy);
+    vec4 neighbour = r.toleranceSlope * sideways;
     bvec4 before = greaterThan(gap, vec4(0.0));
-    vec2 tilt = 0.5 * vec2(depth.y - depth.x + depth.z - depth.w, depth.x - depth.w + depth.y - depth.z) -
-                r.gradient;
-    // A quad across the edge may look like a plane too, but part of it is the receiver's own face.
-    bool planar = all(before) && abs(depth.x - depth.y + depth.z - depth.w) < 4.0 * r.tolerance;
-    // The quad's slope carries the map's rounding as far as the receiver is off; besides, a fiftieth of a
-    // texel for what rounding was not thought of.
-    float doubt = 2.0 * r.tolerance * (abs(dx.x) + abs(dy.x)) + 0.02 * cascadeOffset[r.cascade].w;
-    bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
-    bvec4 clear = planar ? bvec4(above) : greaterThan(gap, neighbour);
+    bvec4 clear = standsClear(before, depth, gap, neighbour, r.gradient, dx, dy, r.tolerance,
+                              0.02 * cascadeOffset[r.cascade].w);
     // A steep plane soon rises over what hangs above the receiver: such a texel, on neither, says next to
     // nothing, or the side of a beam would be lit below a roof that lies on it. Alone it is believed.
-    vec4 off = vec4(2.0 * r.tolerance + 0.02 * cascadeOffset[r.cascade].w) + 0.1 * sideways;
-    vec4 silent = vec4(lessThan(gap, -off)) * vec4(greaterThan(gap + plane, sideways));
+    vec4 level = NEIGHBOUR_SLOPE * cascadeOffset[r.cascade].w * sideways;
+    vec4 off = vec4(2.0 * r.tolerance + 0.02 * cascadeOffset[r.cascade].w) + 0.1 * level;
+    vec4 silent = vec4(lessThan(gap, -off)) * vec4(greaterThan(gap + plane, level));
     says = vec4(not(before)) * (1.0 - 0.999 * silent) + vec4(clear);
     return mix(vec4(0.0), gap, clear);
 #endif
 }
-
-vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }
-
-// Of what was said. Where nothing is, a blocker touches: in a hollow the receiver's own face speaks.
-float share(float litSum, float total) { return total > 0.0 ? litSum / total : 0.0; }
 
 #if defined(FILTER_NONE) || defined(FILTER_JITTER)
 // The texel of one cell: 1 lit. What it says as above.
@@ -189,9 +164,7 @@ float boxFilter(Receiver r, float width) {
             vec4 dx, dy, says;
             vec4 shade = lit(gaps(r, first + 2.0 * vec2(i, j), dx, dy, says));
             vec4 x = dx + r.lattice.x, y = dy + r.lattice.y; // texel centres
-            vec4 wx = clamp(min(x + 0.5, high.x) - max(x - 0.5, low.x), 0.0, 1.0);
-            vec4 wy = clamp(min(y + 0.5, high.y) - max(y - 0.5, low.y), 0.0, 1.0);
-            vec4 weight = says * wx * wy;
+            vec4 weight = boxWeights(says, x, y, low, high);
             sum += dot(shade, weight);
             total += dot(weight, vec4(1.0));
         }
@@ -413,8 +386,7 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     r.bias = r.raise = 0.0;
 #else
     r.gradient = slope * texel;
-    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + 6e-5 * (1.0 + steep2));
-    r.steepness = 1.0 + STEEP_NEIGHBOURS * sqrt(steep2);
+    r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
 #endif
     r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
                   sqrt(steep2) * texel * fade.w * 2.4e-7;

@@ -33,7 +33,7 @@ constexpr TechniqueWord kWords[] = {
     {Part::Filter, "none", "the nearest texel"},
     {Part::Filter, "bilinear", "four texels by their share"},
     {Part::Filter, "jitter4", "4 x 4 jittered taps"},
-    {Part::Filter, "pcf", "a box; pcf:1 to pcf:9 texels"},
+    {Part::Filter, "pcf", "a box of 3 texels; pcf:1 to pcf:9"},
     {Part::Filter, "pcss", "as wide as the sun's penumbra; pcss:BLOCKERS,SAMPLES"},
     {Part::Filter, "pcss-ratio", "as wide as a near light's penumbra (to compare)"},
     {Part::Lamps, "paraboloid", "lamps: a map a hemisphere; paraboloid:TEXELS of bend, 0 uncut"},
@@ -189,7 +189,7 @@ Failure parseShadowBias(const std::string& text, ShadowSettings& settings) {
 Failure parseShadowFilter(const std::string& text, ShadowSettings& settings) {
     const Word word = wordOf(text);
     const auto found = find(kFilters, word.name);
-    if (found == kFilters.end() || (found->value == ShadowFilter::Pcf && !word.hasValue))
+    if (found == kFilters.end())
         return wrong(text, Part::Filter);
     ShadowSettings read = settings;
     read.filter = found->value;

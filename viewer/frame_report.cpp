@@ -63,6 +63,8 @@ Json frameJson(const ReportedFrame& frame) {
     json["gpu_ms"] = {{"depth", f.depthMs},       {"visibility", f.visibilityMs},
                       {"sun", f.sunMs},           {"lamps", f.lampMs},
                       {"shading", f.compositeMs}, {"total", f.gpuTotalMs}};
+    if (f.resolveMs > 0.0)
+        json["gpu_ms"]["resolve"] = f.resolveMs;
     json["cascades"] = cascadesJson(f.cascades);
     json["files"] = frame.files;
     return json;

@@ -188,25 +188,29 @@ Result<InputKind> kindOfFile(const std::string& path, const std::string& uri) {
     return kindOfJson(*text, uri);
 }
 
-// tileset.json, else the one scene file.
-Result<std::string> findInFolder(const std::string& folder) {
-    std::error_code failed;
+// The one scene file, which tells more than the tileset beside it; else tileset.json. The other way
+// round when a tileset is wanted.
+Result<std::string> findInFolder(const std::string& folder, std::optional<InputKind> wanted) {
+    std::error_code failed, ignored;
     const fs::path tileset = fs::path(folder) / "tileset.json";
-    if (fs::is_regular_file(tileset, failed))
+    const bool hasTileset = fs::is_regular_file(tileset, ignored);
+    if (hasTileset && wanted == InputKind::Tileset)
         return tileset.string();
     std::vector<std::string> scenes;
     for (fs::directory_iterator i(folder, failed), end; !failed && i != end; i.increment(failed))
-        if (i->path().filename().string().ends_with(".scene.json"))
+        if (i->path().filename().string().ends_with(".scene.json") && i->is_regular_file(ignored))
             scenes.push_back(i->path().string());
+    if (scenes.size() == 1)
+        return scenes.front();
+    if (hasTileset)
+        return tileset.string();
     if (failed)
         return Error{folder, failed.message()};
-    std::sort(scenes.begin(), scenes.end());
     if (scenes.empty())
-        return Error{folder, "this folder holds neither tileset.json nor a *.scene.json"};
-    if (scenes.size() > 1)
-        return Error{folder, "this folder holds several scene files (" + splitPath(scenes[0]).name +
-                                 ", " + splitPath(scenes[1]).name + "…); name one"};
-    return scenes[0];
+        return Error{folder, "this folder holds neither a *.scene.json nor tileset.json"};
+    std::sort(scenes.begin(), scenes.end());
+    return Error{folder, "this folder holds several scene files (" + splitPath(scenes[0]).name +
+                             ", " + splitPath(scenes[1]).name + "…); name one"};
 }
 
 struct Prefixed {
@@ -259,7 +263,7 @@ const char* nameOf(InputKind kind) {
     return "";
 }
 
-Result<Input> identifyInput(const std::string& argument) {
+Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted) {
     const Prefixed prefixed = splitPrefix(argument);
     if (Failure wrong = checkPrefix(prefixed.kind))
         return *wrong;
@@ -275,7 +279,9 @@ Result<Input> identifyInput(const std::string& argument) {
         return Error{uri, failed ? failed.message() : "no such file or folder"};
     std::string path = uri;
     if (fs::is_directory(status)) {
-        Result<std::string> found = findInFolder(uri);
+        if (prefixed.kind == nameOf(InputKind::Tileset))
+            wanted = InputKind::Tileset;
+        Result<std::string> found = findInFolder(uri, wanted);
         if (!found)
             return found.error();
         path = *found;

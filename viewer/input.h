@@ -3,6 +3,7 @@
 
 #include "geo/result.h"
 
+#include <optional>
 #include <string>
 
 namespace gnomon {
@@ -17,8 +18,10 @@ struct Input {
 
 const char* nameOf(InputKind kind);
 
-// Takes PATH or KIND=PATH. Fails, naming what was found, for everything that cannot be opened.
-Result<Input> identifyInput(const std::string& argument);
+// Takes PATH or KIND=PATH. Fails, naming what was found, for everything that cannot be opened. A
+// folder stands for its one scene file, else for its tileset.json; for that first when a tileset is
+// `wanted`, as a scene file's layers say.
+Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted = {});
 
 // The whole file, refused above `maxBytes`.
 Result<std::string> readTextFile(const std::string& path, std::size_t maxBytes);

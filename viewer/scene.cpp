@@ -346,7 +346,7 @@ class SceneOpener {
                 openLamps(layer.path);
                 continue;
             }
-            Result<Input> input = identifyInput(layer.path);
+            Result<Input> input = identifyInput(layer.path, layer.kind);
             if (!input) {
                 fail(input.error());
             } else if (layer.kind && input->kind != *layer.kind) {

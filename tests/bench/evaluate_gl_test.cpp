@@ -69,6 +69,8 @@ TEST(Evaluation, ABadBiasIsFoundOutAndAGoodOneIsNot) {
     EXPECT_EQ(good.texelMetres.size(), 4u);
     EXPECT_GE(good.bytes, 4u * 2048 * 2048 * 4);
     EXPECT_EQ(good.lostCasters, 0u);
+    EXPECT_FALSE(good.resolveMs);
+    EXPECT_GT(measured(*prepared, "csm+dual-atomic+none").resolveMs.value_or(0.0), 0.0);
 
     const Row acne = measured(*prepared, "csm+constant:0+none@cascades=1@map-size=512");
     ASSERT_FALSE(acne.error);
@@ -182,15 +184,24 @@ TEST(Flips, NothingFlickersInAStableCascadeAndAMapFittedToEachViewDoes) {
     const std::vector<Camera> path = smallMotion(bench.scene.camera, 6);
     ASSERT_EQ(path.size(), 6u);
     EXPECT_NEAR(length(path[5].position - path[0].position), 5 * 0.017, 1e-4);
-    const auto flipsOf = [&](const char* text) {
+    const auto flipsOf = [&](const char* text, double blendFraction = 0.1) {
         FrameOptions options = bench.scene.frame;
         options.shadows = parseOneTechnique(text, {})->settings;
+        options.shadows.blendFraction = blendFraction;
         bench.renderer->setOptions(options);
         return countFlips(*bench.renderer, bench.request(), options.shadows, path, {}).value();
     };
     const Flips stable = flipsOf("csm+receiver-plane+bilinear@fit=stable");
     EXPECT_GT(stable.asked, 50'000u);
     EXPECT_EQ(stable.flips, 0u);
+    // Where two cascades are mixed nothing is asked: the wider that is the less.
+    const Flips mixed = flipsOf("csm+receiver-plane+bilinear@fit=stable", 0.9);
+    std::printf("[ measured ] asked %llu, %llu where most is mixed\n",
+                static_cast<unsigned long long>(stable.asked),
+                static_cast<unsigned long long>(mixed.asked));
+    EXPECT_LT(mixed.asked, stable.asked / 2);
+    EXPECT_GT(mixed.asked, 1000u);
+    EXPECT_EQ(mixed.flips, 0u);
     const Flips fitted = flipsOf("perspective+receiver-plane+bilinear");
     EXPECT_GT(fitted.asked, 50'000u);
     EXPECT_GT(fitted.flips, 10u);

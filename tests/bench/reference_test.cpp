@@ -29,6 +29,29 @@ double discBeyond(double s) {
     return (std::acos(s) - s * std::sqrt(1.0 - s * s)) / std::numbers::pi;
 }
 
+// A reference's hard shadows against all triangles' in double, `origin` where the latter have the
+// former's. Within `radius` of a shadow's edge neither is asked.
+struct Agreement {
+    int lit = 0, dark = 0, wrong = 0, edges = 0;
+};
+Agreement agreement(const Reference& reference, const SunRays& rays, const glm::dvec3& sun,
+                    const glm::dvec3& origin, double leastFacing, double radius, double tolerance) {
+    Agreement out;
+    for (std::size_t i = 0; i < reference.surfaces.size(); ++i) {
+        const SurfacePoint& p = reference.surfaces[i];
+        if (!p.any || glm::dot(p.normal, sun) < leastFacing)
+            continue;
+        const auto truth = rays.around(p.position + origin, p.normal, radius, tolerance);
+        out.edges += truth == SunRays::Answer::Edge;
+        if (truth == SunRays::Answer::Edge)
+            continue;
+        const bool shadowed = truth == SunRays::Answer::Dark;
+        (shadowed ? out.dark : out.lit) += 1;
+        out.wrong += shadowed != (reference.hard[i] == 0.0f);
+    }
+    return out;
+}
+
 struct Penumbra {
     double worst = 0.0, bias = 0.0;
     int points = 0, between = 0;
@@ -262,23 +285,11 @@ TEST(Reference, AgreesWithEveryTriangleTriedInDouble) {
             traceReference(scene, world.camera(eye, {0, 0, 5}, 160, 90), {SunDisc{sun}, 1, 0});
         ASSERT_TRUE(reference);
         const SunRays rays(triangles, sun);
-        int lit = 0, dark = 0, wrong = 0, edges = 0;
-        for (std::size_t i = 0; i < reference->surfaces.size(); ++i) {
-            const SurfacePoint& p = reference->surfaces[i];
-            if (!p.any || glm::dot(p.normal, sun) < 1e-3)
-                continue;
-            const auto truth = rays.around(p.position + eye, p.normal, 1e-3, 0.02);
-            edges += truth == SunRays::Answer::Edge;
-            if (truth == SunRays::Answer::Edge)
-                continue;
-            const bool shadowed = truth == SunRays::Answer::Dark;
-            (shadowed ? dark : lit) += 1;
-            wrong += shadowed != (reference->hard[i] == 0.0f);
-        }
-        EXPECT_EQ(wrong, 0) << elevation;
-        EXPECT_LT(edges, 30);
-        EXPECT_GT(lit, 1000);
-        EXPECT_GT(dark, 1000);
+        const Agreement found = agreement(*reference, rays, sun, eye, 1e-3, 1e-3, 0.02);
+        EXPECT_EQ(found.wrong, 0) << elevation;
+        EXPECT_LT(found.edges, 30);
+        EXPECT_GT(found.lit, 1000);
+        EXPECT_GT(found.dark, 1000);
     }
 }
 
@@ -333,23 +344,11 @@ TEST(RealTiles, AmsterdamsRaysAgreeWithEveryTriangleTriedInDouble) {
     const auto reference = traceReference(*rays, camera, {SunDisc{sun}, 16, 0});
     ASSERT_TRUE(reference);
     const SunRays brute(triangles, sun);
-    int lit = 0, dark = 0, edges = 0, wrong = 0;
-    for (std::size_t i = 0; i < reference->surfaces.size(); ++i) {
-        const SurfacePoint& p = reference->surfaces[i];
-        if (!p.any || glm::dot(p.normal, sun) < 0.01)
-            continue;
-        const auto truth = brute.around(p.position, p.normal, 0.01, 0.002);
-        edges += truth == SunRays::Answer::Edge;
-        if (truth == SunRays::Answer::Edge)
-            continue;
-        const bool shadowed = truth == SunRays::Answer::Dark;
-        (shadowed ? dark : lit) += 1;
-        wrong += shadowed != (reference->hard[i] == 0.0f);
-    }
+    const Agreement found = agreement(*reference, brute, sun, glm::dvec3(0), 0.01, 0.01, 0.002);
     std::printf("[ measured ] %zu triangles; lit %d, dark %d, edge %d; wrong %d\n",
-                triangles.size(), lit, dark, edges, wrong);
-    EXPECT_EQ(wrong, 0);
-    EXPECT_LT(edges, 200);
-    EXPECT_GT(lit, 3000);
-    EXPECT_GT(dark, 500);
+                triangles.size(), found.lit, found.dark, found.edges, found.wrong);
+    EXPECT_EQ(found.wrong, 0);
+    EXPECT_LT(found.edges, 200);
+    EXPECT_GT(found.lit, 3000);
+    EXPECT_GT(found.dark, 500);
 }

@@ -60,6 +60,7 @@ constexpr const char* kKeys[] = {
 TEST(Report, JsonHasEveryKeyInEveryRowAndNullWhereNothingWasMeasured) {
     std::vector<Row> rows{row("csm+dual-peel+pcss:16,32", 100), row("single@map-size=512", 50),
                           row("paraboloid", 0), row("off", 40)};
+    rows[0].resolveMs = 0.25;
     rows[1].flips = Flips{7, 1000};
     rows[2].error = Error{"paraboloid", "this scene has no lamp"};
     rows[3].comparison = {};
@@ -79,6 +80,8 @@ TEST(Report, JsonHasEveryKeyInEveryRowAndNullWhereNothingWasMeasured) {
     EXPECT_EQ(first["cascades"], 4);
     EXPECT_EQ(first["false_lit_all"], 0.0123);
     EXPECT_EQ(first["lost_casters"], 3);
+    EXPECT_EQ(first["resolve_ms"], 0.25);
+    EXPECT_TRUE(json["techniques"][1]["resolve_ms"].is_null());
     EXPECT_TRUE(first["edge_px"].is_null());
     EXPECT_FALSE(first.contains("flips"));
     EXPECT_EQ(json["techniques"][1]["flips"], 7);

@@ -2,6 +2,7 @@
 // shadows fall where geometry says but for a few texels.
 #include "shadows/bias.h"
 #include "tests/frame/small_scene.h"
+#include "tests/frame/technique.h"
 
 #include <gtest/gtest.h>
 
@@ -9,14 +10,6 @@ using namespace gnomon;
 using namespace gnomon::test;
 
 namespace {
-
-ShadowSettings technique(const std::string& text) {
-    ShadowSettings s;
-    if (const Failure failure = parseTechnique(text, s))
-        ADD_FAILURE() << failure->message();
-    s.mapSize = 1024;
-    return s;
-}
 
 // A sheet that rises by 20° to the north, nothing around it.
 Shapes inclinedSheet() {

@@ -3,6 +3,7 @@
 // bodies are drawn without their back faces.
 #include "shadows/bias.h"
 #include "tests/frame/passes.h"
+#include "tests/frame/technique.h"
 
 #include <gtest/gtest.h>
 
@@ -13,14 +14,6 @@ using namespace gnomon;
 using namespace gnomon::test;
 
 namespace {
-
-ShadowSettings technique(const std::string& text, int mapSize = 1024) {
-    ShadowSettings s;
-    if (const Failure failure = parseTechnique(text, s))
-        ADD_FAILURE() << failure->message();
-    s.mapSize = mapSize;
-    return s;
-}
 
 // A ring about a vertical axis, or about one along x. Closed.
 void addTorus(Shapes& shapes, const glm::dvec3& centre, double ring, double tube, bool upright) {

@@ -2,6 +2,7 @@
 // penumbra of a near light, which for the sun is wrong by a factor that is known.
 #include "tests/frame/passes.h"
 #include "tests/frame/profile.h"
+#include "tests/frame/technique.h"
 
 #include <gtest/gtest.h>
 
@@ -19,14 +20,6 @@ Shapes plateAndPosts() {
         shapes.box({-20 + 3.5 * i, 14, 0}, {-19.6 + 3.5 * i, 14.4, 6});
     shapes.house({20, -16}, {30, -2}, 5, 9);
     return shapes;
-}
-
-ShadowSettings technique(const std::string& text, int mapSize = 1024) {
-    ShadowSettings s;
-    if (const Failure failure = parseTechnique(text, s))
-        ADD_FAILURE() << failure->message();
-    s.mapSize = mapSize;
-    return s;
 }
 
 } // namespace

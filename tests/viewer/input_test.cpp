@@ -33,9 +33,9 @@ TEST(Input, IsKnownByContentWhateverItsName) {
               "tileset");
 }
 
-TEST(Input, AFolderStandsForItsTilesetElseItsOneScene) {
+TEST(Input, AFolderStandsForItsOneSceneElseItsTileset) {
     const test::Folder folder;
-    EXPECT_NE(kindOf(folder.path()).find("neither tileset.json nor a *.scene.json"),
+    EXPECT_NE(kindOf(folder.path()).find("neither a *.scene.json nor tileset.json"),
               std::string::npos);
     folder.write("b.scene.json", kScene);
     EXPECT_EQ(kindOf(folder.path()), "scene");
@@ -44,6 +44,14 @@ TEST(Input, AFolderStandsForItsTilesetElseItsOneScene) {
     folder.write("tileset.json", kTileset);
     EXPECT_EQ(kindOf(folder.path()), "tileset");
     EXPECT_EQ(identifyInput(folder.path())->path, folder / "tileset.json");
+    std::filesystem::remove(folder / "a.scene.json");
+    EXPECT_EQ(identifyInput(folder.path())->path, folder / "b.scene.json");
+    EXPECT_EQ(kindOf("tileset=" + folder.path()), "tileset"); // as one is free to insist
+    EXPECT_EQ(identifyInput(folder.path(), InputKind::Tileset)->path, folder / "tileset.json");
+    std::filesystem::remove(folder / "b.scene.json");
+    EXPECT_EQ(kindOf(folder.path()), "tileset");
+    std::filesystem::create_directory(folder / "c.scene.json"); // a folder is no scene file
+    EXPECT_EQ(kindOf(folder.path()), "tileset");
 }
 
 TEST(Input, OtherKindsAreRefusedByName) {

@@ -98,10 +98,13 @@ TEST(FrameReport, HasTheContractsKeys) {
     EXPECT_NEAR(f["camera"]["heading"].get<double>(), 30, 1e-9);
     EXPECT_EQ(f["tiles"]["missing"], nlohmann::json({"a.b3dm"}));
     EXPECT_EQ(f["gpu_ms"]["depth"].size(), 2u);
+    EXPECT_FALSE(f["gpu_ms"].contains("resolve"));
     EXPECT_EQ(f["cascades"].size(), 2u);
     EXPECT_EQ(json["peak_gpu_mb"], 3.0);
     EXPECT_GT(json["peak_rss_mb"].get<double>(), 1.0);
     EXPECT_TRUE(json["time_to_full_detail_ms"].is_null());
+    report.frames.front().facts.resolveMs = 0.5;
+    EXPECT_EQ(nlohmann::json::parse(report.json())["frames"][0]["gpu_ms"]["resolve"], 0.5);
 }
 
 TEST(FrameReport, TheHashChangesWithWhatChangesThePicture) {
