@@ -188,3 +188,31 @@ TEST(Shadow, IsAttachedAtTheFootOfAWall) {
                         << foot << " " << elevation << " " << azimuth << " " << away;
                 }
 }
+
+TEST(Shadow, FallsWhereGeometrySaysFromAMetreAndFromAHundredKilometresUp) {
+    Shapes near, far;
+    near.box({-5, -5, 0}, {5, 5, 10});
+    far.box({-1000, -1000, 0}, {1000, 1000, 2000});
+    struct Case {
+        Shapes& shapes;
+        Look look;
+        double topMetres;
+    };
+    for (const Case& c : {Case{near, {{-18, -22, 1}, {0, 0, 2}}, 10.0},
+                          Case{far, {{-20e3, -25e3, 100e3}, {0, 0, 0}, 8.0}, 2000.0}}) {
+        SmallScene scene(c.shapes);
+        Compared all;
+        for (const double elevation : {0.5, 3.0, 30.0, 60.0, 85.0, 90.0}) {
+            const Compared one = compare(scene.draw(c.look, 30.0, elevation),
+                                         scene.rays(30.0, elevation), {c.topMetres, 2.0, true});
+            EXPECT_EQ(one.falseLit, 0u) << c.look.eye.z << " " << elevation;
+            EXPECT_EQ(one.falseShadow, 0u) << c.look.eye.z << " " << elevation;
+            EXPECT_EQ(one.falseAway, 0u) << c.look.eye.z << " " << elevation;
+            all += one;
+        }
+        std::printf("[ measured ] from %.0f m: lit %zu, dark %zu, edge %zu\n", c.look.eye.z,
+                    all.lit, all.dark, all.edge);
+        EXPECT_GT(all.lit, 20000u);
+        EXPECT_GT(all.dark, 500u);
+    }
+}
