@@ -390,7 +390,7 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
 #endif
     r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
                   sqrt(steep2) * texel * fade.w * 2.4e-7;
-    r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, cascadeSplit[cascade].w - r.depth);
+    r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, max(eye.w - p.z, 0.0));
 
 #if defined(FILTER_NONE)
     r = biased(r, 0.0);

@@ -71,6 +71,8 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     block.axisY = withW(rows[1], 0.0);
     block.axisZ = withW(rows[2], 0.0);
     const glm::dvec3 camera = set.lightFromEcef(input.surfaceCamera.position).xyz;
+    // Not the maps' own range, whose steps a moving camera crosses.
+    block.eye.w = float(input.casters.lightMaxMetres - camera.z);
     for (std::size_t i = 0; i < set.cascades.size(); ++i)
         setCascade(block, i, set.cascades[i], camera, set.mapSize,
                    constantBiasMetres(settings, set.cascades[i].texelMetres));
