@@ -62,13 +62,13 @@ GNOMON_BLOCK(ViewBlock, BLOCK_VIEW) {
 GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
     vec4 toSun;     // the meshes' axes; w: tan of the sun's angular radius
     vec4 selection; // view depth = dot(xyz, p) + w, of the camera that cascades fit
-    vec4 eye;       // xyz: that camera, relative to the surface's camera; w: metres from the latter to
-                    // the sunward end of all casters, along the light
-    vec4 fade;      // x: range metres, y: fade metres, z: cascades, w: texels N
-    vec4 filter_;   // x: box width in texels, z: blocker samples, w: filter samples
-    vec4 reach;     // metres to the highest caster along a sun ray:
-                    // dot(xyz, p) + w
-    vec4 axisX;     // light axes along the meshes' (unit)
+    vec4 eye;  // xyz: that camera, relative to the surface's camera; w: metres from the latter to
+               // the sunward end of all casters, along the light
+    vec4 fade; // x: range metres, y: fade metres, z: cascades, w: texels N
+    vec4 filter_; // x: box width in texels, z: blocker samples, w: filter samples
+    vec4 reach;   // metres to the highest caster along a sun ray:
+                  // dot(xyz, p) + w
+    vec4 axisX;   // light axes along the meshes' (unit)
     vec4 axisY;
     vec4 axisZ;
     vec4 cascadeOffset[MAX_CASCADES]; // xyz: lattice x, y (texels) and depth (metres above far) of
