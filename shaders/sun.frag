@@ -1,8 +1,8 @@
 #version 450 core
 // Compiled with one of FILTER_NONE, FILTER_BOX (bilinear and PCF), FILTER_JITTER, FILTER_PCSS (also with
-// PENUMBRA_RATIO or WIDE_PENUMBRAE), or none of them when there are no cascades; with one of BIAS_CONSTANT, BIAS_SLOPE,
-// BIAS_NORMAL where one bias holds for all texels, none of them where each is compared with the receiver's
-// plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where
+// PENUMBRA_RATIO or WIDE_PENUMBRAE), or none of them when there are no cascades; with one of BIAS_CONSTANT,
+// BIAS_SLOPE, BIAS_NORMAL where one bias holds for all texels, none of them where each is compared with the
+// receiver's plane; and with PROJECTIVE where maps in the eye's perspective are asked first. Variants, and loops where
 // others would branch: a software rasteriser runs both sides of a branch, but leaves a loop when no pixel
 // of its group needs another round.
 //
@@ -104,7 +104,9 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     bvec4 clear = standsClear(before, depth, gap, neighbour, r.gradient, dx, dy, r.tolerance,
                               0.02 * cascadeOffset[r.cascade].w);
     // A steep plane soon rises over what hangs above the receiver: such a texel, on neither, says next to
-    // nothing, or the side of a beam would be lit below a roof that lies on it. Alone it is believed.
+    // nothing (a thousandth), or the side of a beam would be lit below a roof that lies on it. Alone it is
+    // believed. On neither: off the plane by more than rounding and what the facets of a round body are
+    // apart, a tenth of a neighbouring face's slope; and above the receiver by more than such a face rises.
     vec4 level = NEIGHBOUR_SLOPE * cascadeOffset[r.cascade].w * sideways;
     vec4 off = vec4(2.0 * r.tolerance + 0.02 * cascadeOffset[r.cascade].w) + 0.1 * level;
     vec4 silent = vec4(lessThan(gap, -off)) * vec4(greaterThan(gap + plane, level));
@@ -227,7 +229,8 @@ float sampledDisc(Receiver r, float radius, Group group, bool asked) {
 
 #ifdef WIDE_PENUMBRAE
 // What stands on the ground stands in the way of a ray from its foot to its top: a house, not a mountain
-// far behind. Blockers so many times beyond the narrow ones still count as these.
+// far behind. Blockers so many times beyond the narrow ones still count as these: with 1 up to 9 % of light
+// was left deep in the shadow of a box under a sun of 3°, with 8 none.
 const float SOLID = 8.0;
 
 float bilinear(Receiver r, vec2 at, Group group) {
@@ -377,8 +380,8 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     vec3 n = vec3(dot(axisX.xyz, normal), dot(axisY.xyz, normal), dot(axisZ.xyz, normal));
     vec2 slope = -n.xy / max(n.z, 1e-3);
     // Rounding, each term by where it comes from: the depth map's floats (from the CPU), the
-    // receiver's position at this distance (along the ray, so off its plane), its lattice coordinate seen through the slope, and the
-    // normal's 16 bits through the derivative of the slope.
+    // receiver's position at this distance (along the ray, so off its plane), its lattice coordinate seen
+    // through the slope, and the normal's 16 bits through the derivative of the slope.
     float steep2 = dot(slope, slope);
 #ifdef ONE_BIAS
     r.normal = n;

@@ -6,6 +6,7 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon {
@@ -117,21 +118,18 @@ const char* biasDefines(ShadowBias bias) {
     return "";
 }
 
-} // namespace
-
-namespace {
-
 // Penumbrae may be so much wider than the three texels of sun.frag's dense disc that narrow ones
-// among them need to be told apart; where they are not that is a fifth of the pass saved.
+// among them need to be told apart; where they are not that is a fifth of the pass saved. By what
+// stands in the scene, not by the maps' depth range, whose steps a moving camera crosses.
 bool hasWidePenumbrae(const SunPassInput& input, const ShadowSettings& settings) {
     constexpr double kWideTexels = 16.0;
     const double tanSun = std::tan(0.5 * settings.lightDiameterDegrees * kRadiansPerDegree);
-    const double reach =
-        std::max(input.casters.topMetres, 0.0) / std::max(input.casters.sinElevation, 1e-4);
-    for (const Cascade& cascade : input.cascades->cascades)
-        if (std::min(reach, cascade.depthRangeMetres) * tanSun > kWideTexels * cascade.texelMetres)
-            return true;
-    return false;
+    const double widestMetres = tanSun * std::max(input.casters.topMetres, 0.0) /
+                                std::max(input.casters.sinElevation, 1e-4);
+    const std::vector<Cascade>& cascades = input.cascades->cascades;
+    return std::any_of(cascades.begin(), cascades.end(), [&](const Cascade& cascade) {
+        return widestMetres > kWideTexels * cascade.texelMetres;
+    });
 }
 
 } // namespace
