@@ -61,24 +61,46 @@ LoadResult load(const Source& source, const LoadJob& job) {
     return isTileset ? loadTileset(job, *bytes) : loadContent(source, job, *bytes);
 }
 
+LoadResult make(const ContentMaker& maker, const LoadJob& job) {
+    if (job.kind == ContentKind::ExternalTileset) {
+        const Result<std::vector<MadeTile>> tiles = maker.below(job.path);
+        Result<TileTree> tree = tiles ? TileTree::ofTiles(job.path, *tiles) : tiles.error();
+        if (!tree)
+            return {job.tile, false, tree.error()};
+        return {job.tile, false, std::make_unique<TileTree>(std::move(*tree))};
+    }
+    DecodeOptions options;
+    options.meshAxes = job.meshAxes;
+    Result<TileContent> content = maker.make(job.path, options);
+    if (!content)
+        return {job.tile, false, content.error()};
+    return {job.tile, false, std::make_shared<const TileContent>(std::move(*content))};
+}
+
+LoadResult load(const Origin& origin, const LoadJob& job) {
+    if (const auto* maker = std::get_if<std::shared_ptr<const ContentMaker>>(&origin))
+        return make(**maker, job);
+    return load(*std::get<std::shared_ptr<const Source>>(origin), job);
+}
+
 } // namespace
 
-LoadResult runLoadJob(const Source& source, const LoadJob& job) {
+LoadResult runLoadJob(const Origin& origin, const LoadJob& job) {
     LoadResult result;
     try {
-        result = load(source, job);
+        result = load(origin, job);
     } catch (const std::bad_alloc&) {
         result = {job.tile, false, Error{job.path, "there is not enough memory to read it"}};
     } catch (const std::exception& e) {
         result = {job.tile, false, Error{job.path, e.what()}};
     }
     if (auto* error = std::get_if<Error>(&result.value); error && error->subject == job.path)
-        error->subject = source.describe(job.path);
+        error->subject =
+            std::visit([&](const auto& from) { return from->describe(job.path); }, origin);
     return result;
 }
 
-LoadQueue::LoadQueue(std::shared_ptr<const Source> source, unsigned workers)
-    : source_(std::move(source)) {
+LoadQueue::LoadQueue(Origin origin, unsigned workers) : origin_(std::move(origin)) {
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
     pthread_attr_setstacksize(&attributes, kStackBytes);
@@ -116,7 +138,7 @@ void LoadQueue::work() {
         waiting_.pop_back();
         ++running_;
         lock.unlock();
-        LoadResult result = runLoadJob(*source_, job);
+        LoadResult result = runLoadJob(origin_, job);
         lock.lock();
         --running_;
         results_.push_back(std::move(result));

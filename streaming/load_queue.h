@@ -3,6 +3,7 @@
 #pragma once
 
 #include "streaming/content.h"
+#include "streaming/content_maker.h"
 #include "streaming/source.h"
 #include "streaming/subtree.h"
 #include "streaming/tileset.h"
@@ -36,12 +37,15 @@ struct LoadResult {
         value;
 };
 
+// Where a tile's content comes from: read from a source, or made.
+using Origin = std::variant<std::shared_ptr<const Source>, std::shared_ptr<const ContentMaker>>;
+
 // On the calling thread; never throws.
-LoadResult runLoadJob(const Source& source, const LoadJob& job);
+LoadResult runLoadJob(const Origin& origin, const LoadJob& job);
 
 class LoadQueue {
   public:
-    LoadQueue(std::shared_ptr<const Source> source, unsigned workers);
+    LoadQueue(Origin origin, unsigned workers);
     LoadQueue(const LoadQueue&) = delete;
     LoadQueue& operator=(const LoadQueue&) = delete;
     ~LoadQueue(); // waits for what is being worked on
@@ -62,7 +66,7 @@ class LoadQueue {
     static void* runThread(void* self);
     void work();
 
-    std::shared_ptr<const Source> source_;
+    Origin origin_;
     mutable std::mutex mutex_;
     std::condition_variable wake_, finished_;
     std::vector<LoadJob> waiting_; // most urgent last

@@ -71,10 +71,9 @@ struct StreamedTileset::State {
     std::map<TileIndex, LoadResult> parkedGrowth, parkedFailures;
     LoadQueue queue; // last: its threads end before the rest goes
 
-    State(std::shared_ptr<const Source> source, std::string tilesetPath, TileTree parsed,
-          const LoaderOptions& given)
+    State(Origin origin, std::string tilesetPath, TileTree parsed, const LoaderOptions& given)
         : path(std::move(tilesetPath)), options(given), tree(std::move(parsed)),
-          queue(std::move(source),
+          queue(std::move(origin),
                 given.workers ? given.workers : std::max(1u, std::thread::hardware_concurrency())) {
         noteLeftOut();
     }
@@ -243,7 +242,7 @@ StreamedTileset::open(std::shared_ptr<const Source> source, const std::string& p
     const std::string lower = path.substr(path.size() - std::min<std::size_t>(5, path.size()));
     if (lower == ".json" || lower == ".JSON")
         job.kind = ContentKind::ExternalTileset;
-    LoadResult result = runLoadJob(*source, job);
+    LoadResult result = runLoadJob(source, job);
     if (auto* error = std::get_if<Error>(&result.value))
         return std::move(*error);
     if (auto* tree = std::get_if<std::unique_ptr<TileTree>>(&result.value))
@@ -254,6 +253,16 @@ StreamedTileset::open(std::shared_ptr<const Source> source, const std::string& p
     auto state = std::make_unique<State>(std::move(source), path, std::move(tree), options);
     state->keep(TileTree::root(), std::move(content));
     return std::unique_ptr<StreamedTileset>(new StreamedTileset(std::move(state)));
+}
+
+Result<std::unique_ptr<StreamedTileset>> StreamedTileset::ofMade(const MadeTileset& made,
+                                                                 const std::string& name,
+                                                                 const LoaderOptions& options) {
+    Result<TileTree> tree = TileTree::ofTiles(name, made.tiles);
+    if (!tree)
+        return tree.error();
+    return std::unique_ptr<StreamedTileset>(
+        new StreamedTileset(std::make_unique<State>(made.maker, name, std::move(*tree), options)));
 }
 
 const TileTree& StreamedTileset::tree() const {

@@ -3,6 +3,7 @@
 // content.
 #pragma once
 
+#include "streaming/content_maker.h"
 #include "streaming/selection.h"
 #include "streaming/source.h"
 
@@ -35,6 +36,9 @@ class StreamedTileset {
                                                          const std::string& path,
                                                          const Transform<Ecef, Tile>& placement,
                                                          const LoaderOptions& options);
+    // Of tiles that are made. `name` stands for the whole in messages.
+    static Result<std::unique_ptr<StreamedTileset>>
+    ofMade(const MadeTileset& made, const std::string& name, const LoaderOptions& options);
     ~StreamedTileset(); // waits for what the workers are at, not for what is queued
 
     const TileTree& tree() const;

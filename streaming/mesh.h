@@ -59,9 +59,12 @@ struct Mesh {
     std::vector<std::uint32_t> colors; // RGBA8, linear, R in the lowest byte
     std::vector<std::uint32_t> features;
 
-    // Triangles of closed components first (outward wound), then those of open ones.
+    // Triangles of closed components first (outward wound), then those of open ones, then skirts,
+    // which hide from the eye where tiles of different detail do not meet: they cast no shadow, in
+    // maps as in the rays that maps are held against.
     std::vector<std::uint32_t> indices;
     std::uint32_t closedTriangles = 0;
+    std::uint32_t skirtTriangles = 0;
     std::vector<OctNormal> faceNormals; // one a triangle, geometric
 
     std::uint32_t triangles() const { return std::uint32_t(indices.size() / 3); }

@@ -3,6 +3,7 @@
 #include "streaming/implicit.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace gnomon {
 namespace {
@@ -30,6 +31,38 @@ TileTree TileTree::ofModel(const std::string& path, const BoundingVolume& volume
     node.volume = volume;
     node.path = path;
     tree.nodes_.push_back(std::move(node));
+    return tree;
+}
+
+Result<TileTree> TileTree::ofTiles(const std::string& name, std::span<const MadeTile> tiles) {
+    const auto refused = [&](const std::string& why) { return Error{name, why}; };
+    if (tiles.empty())
+        return refused("there is nothing to make tiles of");
+    if (tiles.size() > kMaxTiles)
+        return refused("it would take more than " + std::to_string(kMaxTiles) + " tiles");
+    TileTree tree;
+    tree.documents_.push_back({name, kNoTile});
+    tree.transforms_.push_back({});
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+        const MadeTile& made = tiles[i];
+        TileNode node;
+        node.content = made.content;
+        node.refine = made.refine;
+        node.geometricErrorMetres = made.geometricErrorMetres;
+        node.volume = made.volume;
+        node.path = made.path;
+        node.parent = made.parent;
+        if (i > 0) {
+            assert(made.parent < i);
+            TileNode& parent = tree.nodes_[made.parent];
+            if (parent.childCount == 0)
+                parent.firstChild = TileIndex(i);
+            assert(parent.firstChild + parent.childCount == i);
+            ++parent.childCount;
+            node.level = std::uint16_t(std::min(parent.level + 1, 0xffff));
+        }
+        tree.nodes_.push_back(std::move(node));
+    }
     return tree;
 }
 

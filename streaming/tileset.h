@@ -92,6 +92,16 @@ enum class Subdivision : std::uint8_t { Quadtree, Octree };
 struct Subtree; // streaming/subtree.h
 struct ImplicitTiling;
 
+// A tile of a tree that is made, not read; see streaming/content_maker.h.
+struct MadeTile {
+    TileIndex parent = kNoTile; // an earlier one; kNoTile for the root, which is the first
+    Refine refine = Refine::Replace;
+    ContentKind content = ContentKind::Mesh; // None, Mesh or ExternalTileset (ContentMaker::below)
+    double geometricErrorMetres = 0.0;
+    BoundingVolume volume; // ECEF
+    std::string path;      // what its maker knows it by; empty without content
+};
+
 // See tileset_json.cpp for the checks; every failure names the file it is about.
 class TileTree {
   public:
@@ -103,6 +113,10 @@ class TileTree {
     // A single model as a tileset of one tile.
     static TileTree ofModel(const std::string& path, const BoundingVolume& volume,
                             const Transform<Ecef, Tile>& placement);
+
+    // Children of one tile stand together, behind those of tiles before it. `name` stands for the
+    // whole in messages.
+    static Result<TileTree> ofTiles(const std::string& name, std::span<const MadeTile> tiles);
 
     const TileNode& node(TileIndex i) const { return nodes_[i]; }
     TileIndex size() const { return TileIndex(nodes_.size()); }

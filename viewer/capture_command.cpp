@@ -151,6 +151,7 @@ class Capture {
         FrameRequest request;
         request.camera = shot.camera;
         request.sun = shot.sun;
+        request.time = shot.time;
         request.still = !shots_->moves();
         request.deadline =
             Clock::now() + std::chrono::duration_cast<Clock::duration>(

@@ -110,6 +110,10 @@ std::vector<Selection> FrameRenderer::State::select(const FrameRequest& request,
     std::vector<Selection> selections;
     facts.complete = true;
     for (Layer& layer : scene.layers) {
+        if (!layer.stands(request.time)) {
+            selections.emplace_back();
+            continue;
+        }
         if (!request.waitForTiles) {
             layer.tileset->poll();
             selections.push_back(

@@ -33,6 +33,7 @@ struct FrameOptions {
 struct FrameRequest {
     Camera camera;
     SunPosition sun;
+    std::optional<UtcTime> time;                    // what stands, and how the water is
     std::chrono::steady_clock::time_point deadline; // for the tiles it needs
     bool still = false;       // the picture stands alone: no other follows it in motion
     bool waitForTiles = true; // capture: settle first; view: draw what is there

@@ -1,7 +1,7 @@
 #include "viewer/input.h"
 
 #include "streaming/json_text.h"
-#include "streaming/raster.h"
+#include "streaming/terrain/raster.h"
 
 #include <nlohmann/json.hpp>
 

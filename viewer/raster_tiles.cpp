@@ -1,7 +1,7 @@
 #include "viewer/raster_tiles.h"
 
 #include "streaming/memory_source.h"
-#include "streaming/raster.h"
+#include "streaming/terrain/raster.h"
 #include "viewer/place/glb.h"
 
 #include <nlohmann/json.hpp>

@@ -375,6 +375,18 @@ class SceneOpener {
 
 } // namespace
 
+bool Layer::stands(std::optional<UtcTime> time) const {
+    return !time || ((!from || time->seconds >= from->seconds) &&
+                     (!until || time->seconds < until->seconds));
+}
+
+double WaterLayer::secondsAt(std::optional<UtcTime> time) const {
+    const FloodData& data = surface->data();
+    if (!time)
+        return data.stepSeconds().back();
+    return data.stepsAreAbsolute() ? time->seconds : time->seconds - startSeconds;
+}
+
 Result<Scene> openScene(const SceneOptions& options) {
     SceneOpener opener(options);
     for (const std::string& input : options.inputs)

@@ -6,8 +6,11 @@
 #include "geo/ellipsoid.h"
 #include "geo/time.h"
 #include "shadows/lamp.h"
+#include "streaming/features/buildings.h"
+#include "streaming/flood/water_surface.h"
 #include "streaming/loader.h"
 #include "streaming/source.h"
+#include "streaming/terrain/terrain.h"
 
 #include <array>
 #include <memory>
@@ -45,16 +48,41 @@ struct Problem {
     std::string uri, reason;
 };
 
-// One input as it is streamed. A single glb or b3dm is a tileset of one tile.
+// One input as it is streamed. A single glb or b3dm is a tileset of one tile; terrain, buildings,
+// trees and barriers are tiles that are made.
 struct Layer {
     std::string uri;
-    std::string kind; // "tileset", "model" or "terrain"
+    std::string kind; // "tileset", "model", "terrain", "buildings", "trees" or "barriers"
     std::unique_ptr<StreamedTileset> tileset;
+    // It stands only from then on, and until then. Without a time in the frame it stands.
+    std::optional<UtcTime> from, until;
+    bool stands(std::optional<UtcTime> time) const;
     bool placedByUser = false;
     bool onEarth = true; // always, unless SceneOptions::unplaced
     // Of a raster: its own system, and pixels across and down.
     std::optional<std::string> crs;
     std::optional<std::array<int, 2>> size;
+    // What it was made from, to be asked: null for other kinds.
+    std::shared_ptr<const Terrain> terrain;
+    std::shared_ptr<const Buildings> buildings;
+};
+
+// How water looks.
+enum class WaterColors { Depth, Speed, Natural };
+struct WaterLook {
+    WaterColors colors = WaterColors::Depth;
+    std::optional<double> most; // metres or m/s of the last colour; else from the data
+};
+
+// A flood result over time. Never a caster.
+struct WaterLayer {
+    std::string uri;
+    std::string kind; // "depth" or "stage"
+    std::shared_ptr<const WaterSurface> surface;
+    WaterLook look;
+    double startSeconds = 0.0; // UTC of the data's 0 where its steps are not absolute
+    // In the data's own reckoning; the last step when no time is known.
+    double secondsAt(std::optional<UtcTime> time) const;
 };
 
 struct SunAngles {
@@ -82,9 +110,15 @@ struct Scene {
     double heightMetres = 0; // of what stands on the anchor's level
     std::vector<Problem> problems;
     std::vector<Lamp> lamps;
+    std::vector<WaterLayer> waters;
+    // What things stand on: all terrains, the finest first, then the flat ground when its height
+    // was given. Null when nothing is known.
+    std::shared_ptr<const GroundHeights> groundHeights;
+    std::vector<std::string> credits; // to be shown, each once
     // From a scene file, or of a scene made by code:
     std::optional<UtcTime> time;
-    std::optional<SunAngles> sun; // when no time is known
+    std::optional<std::string> timeZone; // by name, as in "Europe/Berlin"
+    std::optional<SunAngles> sun;        // when no time is known
     std::optional<SceneCamera> camera;
     std::optional<GroundChoice> ground;
 };

@@ -111,6 +111,7 @@ class Viewer {
         FrameRequest request;
         request.camera = orbit_->camera();
         request.sun = shot_.sun;
+        request.time = shot_.time;
         request.waitForTiles = false;
         Result<FrameFacts> facts = renderer_->draw(request);
         if (facts) {

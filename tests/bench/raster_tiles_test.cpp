@@ -1,7 +1,7 @@
 #include "tests/bench/loaded_triangles.h"
 #include "tests/viewer/files.h"
 
-#include "streaming/raster.h"
+#include "streaming/terrain/raster.h"
 #include "viewer/input.h"
 #include "viewer/raster_tiles.h"
 

@@ -1,4 +1,4 @@
-#include "streaming/raster.h"
+#include "streaming/terrain/raster.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>

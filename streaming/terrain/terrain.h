@@ -1,0 +1,64 @@
+// Terrain from a raster of heights: a quadtree of tiles cut on the fly in worker threads, each
+// level every second sample of the level below. A tile's geometric error is the largest height by
+// which its surface and the raster's own (linear between the centres of pixels) differ anywhere in
+// it.
+#pragma once
+
+#include "geo/crs.h"
+#include "streaming/content_maker.h"
+#include "streaming/terrain/drape.h"
+#include "streaming/terrain/ground_heights.h"
+
+#include <array>
+#include <functional>
+#include <optional>
+
+namespace gnomon {
+
+enum class TerrainLook {
+    Plain,     // one calm colour, lit
+    Ramp,      // coloured by height, lit
+    RampUnlit, // coloured by height, no shading by slope; shadows stay
+};
+
+struct TerrainOptions {
+    std::optional<std::string> crs; // for files that name none
+    Heights heights = Heights::Ellipsoidal;
+    double raiseMetres = 0.0;
+    TerrainLook look = TerrainLook::Plain;
+    // Long work at opening, 0…1. May be null.
+    std::function<void(double share)> progress;
+};
+
+struct TerrainFacts {
+    std::string crs; // the raster's, or the one given
+    int columns = 0, rows = 0;
+    double cellMetres = 0; // at its middle, the smaller side
+    bool hasOverviews = false;
+    double minHeightMetres = 0, maxHeightMetres = 0; // above the ellipsoid
+    double dataShare = 1;                            // of pixels with data
+    double rootErrorMetres = 0;                      // of the coarsest tile
+    bool errorIsBound = true; // false: estimated, the raster being too large to be read at opening
+    std::array<double, 4> extent{}; // west, south, east, north, degrees
+    std::vector<std::string> notes; // what was taken for granted
+    std::vector<std::string> credits;
+};
+
+class Terrain : public GroundHeights {
+  public:
+    // Fails in one line for what is no raster of heights, has no place (and no `crs`), or holds no
+    // data at all.
+    static Result<std::shared_ptr<const Terrain>> open(const std::string& path,
+                                                       const TerrainOptions& options);
+    virtual const TerrainFacts& facts() const = 0;
+    // Its tiles. Where one of `above` has ground this one makes room; `drapes` are painted on, the
+    // last on top.
+    virtual MadeTileset tiles(std::vector<std::shared_ptr<const GroundHeights>> above,
+                              std::vector<std::shared_ptr<const Drape>> drapes) const = 0;
+};
+
+// A quantized-mesh pyramid (layer.json) or a single .terrain tile, as the same.
+Result<std::shared_ptr<const Terrain>> openQuantizedMesh(const std::string& path,
+                                                         const TerrainOptions& options);
+
+} // namespace gnomon
