@@ -72,7 +72,9 @@ struct Evaluation::State {
         FrameRequest request;
         request.camera = input.camera;
         request.sun = input.sun;
+        request.time = input.time;
         request.still = input.path.empty();
+        request.withoutWater = true;
         request.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                               std::chrono::duration<double>(input.timeoutSeconds));
         return request;

@@ -19,6 +19,7 @@ struct EvaluationInput {
     FrameOptions base; // what techniques start from; its light's size is the reference's
     Camera camera;
     SunPosition sun;
+    std::optional<UtcTime> time; // what stands then
     std::vector<Probe> probes;
     // To count flips along; empty: not asked, and the picture stands alone (FrameRequest::still).
     std::vector<Camera> path;

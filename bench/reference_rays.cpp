@@ -194,7 +194,7 @@ void Rays::add(const ResidentTile& tile) {
     const TileContent& content = *tile.content;
     for (std::size_t i = 0; i < content.meshes.size(); ++i) {
         const Mesh& mesh = content.meshes[i];
-        if (mesh.indices.empty())
+        if (mesh.castingTriangles() == 0)
             continue;
         RayMesh m;
         m.mesh = &mesh;
@@ -214,7 +214,7 @@ void Rays::add(const ResidentTile& tile) {
         // double's own, with room for the sums in which positions come about.
         m.liftMetres = 4.0 * kFloatRounding * extent + 0x1p-48 * (extent + largest(m.origin));
         m.roomMetres = extent + largest(m.origin); // for now: its largest coordinate
-        triangles_ += mesh.triangles();
+        triangles_ += mesh.castingTriangles();
         meshes_.push_back(m);
     }
 }
@@ -231,7 +231,7 @@ void Rays::makeRoom() {
 void Rays::attach(std::uint32_t index) {
     RayMesh& m = meshes_[index];
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, m.mesh->triangles());
+    rtcSetGeometryUserPrimitiveCount(geometry, m.mesh->castingTriangles()); // skirts cast nothing
     rtcSetGeometryUserData(geometry, &m);
     rtcSetGeometryBoundsFunction(geometry, boundTriangle, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersect);

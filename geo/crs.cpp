@@ -3,7 +3,9 @@
 #include <proj.h>
 
 #include <array>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace gnomon {
 namespace {
@@ -36,7 +38,7 @@ bool isFinite(const PJ_COORD& c) {
 }
 
 // Does its third axis say what heights mean?
-bool hasOwnHeights(PJ_CONTEXT* context, const PJ* crs) {
+bool bringsHeights(PJ_CONTEXT* context, const PJ* crs) {
     switch (proj_get_type(crs)) {
     case PJ_TYPE_COMPOUND_CRS:
     case PJ_TYPE_GEOCENTRIC_CRS:
@@ -44,7 +46,7 @@ bool hasOwnHeights(PJ_CONTEXT* context, const PJ* crs) {
         return true;
     case PJ_TYPE_BOUND_CRS: {
         const Projection source(proj_get_source_crs(context, crs));
-        return source && hasOwnHeights(context, source.get());
+        return source && bringsHeights(context, source.get());
     }
     default: {
         const Projection axes(proj_crs_get_coordinate_system(context, crs));
@@ -152,7 +154,7 @@ Result<CrsToEcef> CrsToEcef::create(const std::string& crs, Heights heights) {
         return Error{subject, "is not a coordinate reference system that PROJ knows"};
     if (!placesOnEarth(context, from.get()))
         return Error{subject, "does not say where on the Earth its coordinates are"};
-    state->ownHeights = hasOwnHeights(context, from.get());
+    state->ownHeights = bringsHeights(context, from.get());
     state->heights = heights;
     const Projection to(proj_create(context, state->ownHeights ? "EPSG:4979" : "EPSG:4326"));
     if (!to)
@@ -197,6 +199,25 @@ Result<Geodetic> CrsToEcef::geodetic(const glm::dvec3& xyz) const {
         place.heightMetres += *geoid;
     }
     return place;
+}
+
+bool CrsToEcef::hasOwnHeights() const {
+    return state_->ownHeights;
+}
+
+void CrsToEcef::eastNorth(std::span<const glm::dvec2> lonLat, std::span<glm::dvec2> out) const {
+    assert(out.size() >= lonLat.size());
+    PJ* projection = state_->lonLatHeight.get();
+    for (std::size_t i = 0; i < lonLat.size(); ++i) {
+        out[i] = glm::dvec2(std::numeric_limits<double>::quiet_NaN());
+        if (!std::isfinite(lonLat[i].x) || !(std::abs(lonLat[i].y) <= 90.0))
+            continue;
+        proj_errno_reset(projection);
+        const PJ_COORD there =
+            proj_trans(projection, PJ_INV, proj_coord(lonLat[i].x, lonLat[i].y, 0.0, HUGE_VAL));
+        if (std::isfinite(there.xy.x) && std::isfinite(there.xy.y))
+            out[i] = {there.xy.x, there.xy.y};
+    }
 }
 
 Result<Point<Ecef>> CrsToEcef::operator()(const glm::dvec3& xyz) const {

@@ -4,6 +4,8 @@
 #include "geo/ellipsoid.h"
 #include "geo/result.h"
 
+#include <glm/vec2.hpp>
+
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +28,10 @@ class CrsToEcef {
 
     Result<Point<Ecef>> operator()(const glm::dvec3& xyz) const;
     Result<Geodetic> geodetic(const glm::dvec3& xyz) const;
+    // The way back: east and north of places in degrees; NaN where the CRS has none.
+    void eastNorth(std::span<const glm::dvec2> lonLat, std::span<glm::dvec2> out) const;
+    // Its third axis says what heights mean (a compound or 3D CRS).
+    bool hasOwnHeights() const;
     // East, north, up of the CRS's own axes near `origin` (a tangent frame: grid north, grid
     // scale), so that a tileset in a projected CRS can be put on the Earth as one rigid piece.
     Result<Transform<Ecef, Tile>> ecefFromCrsNear(const glm::dvec3& origin) const;

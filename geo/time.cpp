@@ -138,6 +138,15 @@ std::string offsetText(std::chrono::seconds offset) {
     return text;
 }
 
+// The compiled zone files end here, and the rule for what follows is not read.
+LocalSeconds rulesEnd() {
+    return date::local_days(date::year(2038) / 1 / 1);
+}
+
+std::string unknownZone(const std::string& zone) {
+    return "names a time zone that is not known here: " + zone;
+}
+
 Complaint findOffset(const std::string& zone, LocalSeconds local, std::chrono::seconds& offset) {
     try {
         const date::local_info info = date::locate_zone(zone)->get_info(local);
@@ -149,17 +158,16 @@ Complaint findOffset(const std::string& zone, LocalSeconds local, std::chrono::s
             return "happens twice in " + zone + ", where the clocks are set back: write " +
                    offsetText(info.first.offset) + " or " + offsetText(info.second.offset) +
                    " instead of the zone";
-        // The compiled zone files end here, and the rule for what follows is not read.
-        if (local >= date::local_days(date::year(2038) / 1 / 1))
+        if (local >= rulesEnd())
             return "is past 2037, to where the rules of " + zone +
                    " are known: write the offset instead of the zone";
         return {};
     } catch (const std::exception&) {
-        return "names a time zone that is not known here: " + zone;
+        return unknownZone(zone);
     }
 }
 
-Complaint readWhole(Cursor& cursor, UtcTime& time) {
+Complaint readWhole(Cursor& cursor, ZonedTime& time) {
     ClockTime clock;
     if (Complaint wrong = readDay(cursor, clock.seconds))
         return wrong;
@@ -174,21 +182,22 @@ Complaint readWhole(Cursor& cursor, UtcTime& time) {
     const bool blank = !cursor.rest().empty() && isBlank(cursor.rest().front());
     cursor.skipBlanks();
     Complaint wrong;
-    if (cursor.take('+')) {
-        wrong = readOffset(cursor, 1, offset);
-    } else if (cursor.take('-')) {
-        wrong = readOffset(cursor, -1, offset);
+    const bool east = cursor.take('+');
+    if (east || cursor.take('-')) {
+        wrong = readOffset(cursor, east ? 1 : -1, offset);
+        time.zone = offsetText(offset);
     } else if (cursor.rest() == "Z" || cursor.rest() == "z") {
         cursor.take(cursor.rest().front());
     } else if (blank && !cursor.rest().empty()) {
-        wrong = findOffset(std::string(cursor.rest()), clock.seconds, offset);
+        time.zone = std::string(cursor.rest());
+        wrong = findOffset(*time.zone, clock.seconds, offset);
         cursor = Cursor({});
     }
     if (wrong)
         return wrong;
     if (!cursor.rest().empty())
         return "has something after the time: " + std::string(cursor.rest());
-    time.seconds =
+    time.utc.seconds =
         static_cast<double>((clock.seconds.time_since_epoch() - offset).count()) + clock.fraction;
     return {};
 }
@@ -202,25 +211,93 @@ std::string quoted(std::string_view text) {
     return text.size() > kLongest ? result + "..." : result;
 }
 
+Error complained(std::string_view text, const std::string& wrong) {
+    return {"time '" + quoted(text) + "'", quoted(wrong), ErrorKind::Usage};
+}
+
+// Years of four digits, as they can be read back.
+bool hasDate(UtcTime time) {
+    constexpr double kYear0 = -62167219200.0, kYear10000 = 253402300800.0;
+    return time.seconds >= kYear0 && time.seconds < kYear10000;
+}
+
+struct LocalClock {
+    std::chrono::seconds offset{0};
+    std::string name;
+};
+
+Result<LocalClock> clockOf(date::sys_seconds moment, const std::string& zone) {
+    const auto failed = [&](const std::string& why) {
+        return complained(formatUtc({static_cast<double>(moment.time_since_epoch().count())}), why);
+    };
+    Cursor cursor(zone);
+    const bool east = cursor.take('+');
+    if (east || cursor.take('-')) {
+        LocalClock clock;
+        if (const Complaint wrong = readOffset(cursor, east ? 1 : -1, clock.offset))
+            return failed(*wrong);
+        if (!cursor.rest().empty())
+            return failed("has something after the offset: " + std::string(cursor.rest()));
+        clock.name = offsetText(clock.offset);
+        return clock;
+    }
+    try {
+        const date::sys_info info = date::locate_zone(zone)->get_info(moment);
+        if (LocalSeconds(moment.time_since_epoch() + info.offset) >= rulesEnd())
+            return failed("is past 2037, to where the rules of " + zone + " are known");
+        // The time zone database writes an offset where people have no name: "+0545".
+        const bool named =
+            !info.abbrev.empty() && info.abbrev.front() != '+' && info.abbrev.front() != '-';
+        return LocalClock{info.offset, named ? info.abbrev : offsetText(info.offset)};
+    } catch (const std::exception&) {
+        return failed(unknownZone(zone));
+    }
+}
+
 } // namespace
 
 Result<UtcTime> parseTime(std::string_view text) {
+    const Result<ZonedTime> time = parseZonedTime(text);
+    if (!time)
+        return time.error();
+    return time->utc;
+}
+
+Result<ZonedTime> parseZonedTime(std::string_view text) {
     while (!text.empty() && isBlank(text.front()))
         text.remove_prefix(1);
     while (!text.empty() && isBlank(text.back()))
         text.remove_suffix(1);
     Cursor cursor(text);
-    UtcTime time;
+    ZonedTime time;
     if (const Complaint wrong = readWhole(cursor, time))
-        return Error{"time '" + quoted(text) + "'", quoted(*wrong), ErrorKind::Usage};
+        return complained(text, *wrong);
     return time;
 }
 
+Result<std::string> formatLocal(UtcTime time, const std::string& zone) {
+    if (!hasDate(time))
+        return Error{"the time", "has no date of four digits", ErrorKind::Usage};
+    // Whole to a millisecond, as formatUtc has it: what was interpolated is off by less.
+    const double seconds = std::floor(std::floor(time.seconds * 1000.0 + 0.5) / 1000.0);
+    const date::sys_seconds moment{std::chrono::seconds(static_cast<long long>(seconds))};
+    const Result<LocalClock> clock = clockOf(moment, zone);
+    if (!clock)
+        return clock.error();
+    const LocalSeconds local{moment.time_since_epoch() + clock->offset};
+    const auto day = date::floor<date::days>(local);
+    const date::year_month_day ymd(day);
+    const date::hh_mm_ss<std::chrono::seconds> hour(local - day);
+    char text[64];
+    std::snprintf(text, sizeof text, "%04d-%02u-%02u %02d:%02d ", int(ymd.year()),
+                  unsigned(ymd.month()), unsigned(ymd.day()), int(hour.hours().count()),
+                  int(hour.minutes().count()));
+    return text + clock->name;
+}
+
 std::string formatUtc(UtcTime time) {
-    // Years of four digits, as they can be read back.
-    constexpr double kYear0 = -62167219200.0, kYear10000 = 253402300800.0;
     const double rounded = std::floor(time.seconds * 1000.0 + 0.5);
-    if (!(rounded >= kYear0 * 1000.0 && rounded < kYear10000 * 1000.0))
+    if (!hasDate({rounded / 1000.0}))
         return "(no date)";
     const date::sys_time<std::chrono::milliseconds> moment{
         std::chrono::milliseconds(static_cast<long long>(rounded))};

@@ -30,8 +30,14 @@ double screenSpaceError(const View& view, const BoundingVolume& volume,
     // Written so that NaN ends here too.
     if (!(geometricErrorMetres > 0.0) || !(view.weight > 0.0))
         return 0.0;
-    if (view.pixelsPerRadian <= 0.0)
-        return view.weight * geometricErrorMetres / view.pixelMetres;
+    if (view.pixelsPerRadian <= 0.0) {
+        const double before =
+            view.pixelGrowth > 0.0
+                ? extentAlong(volume, view.eye, -view.forward).min - view.growthFromMetres
+                : 0.0;
+        return view.weight * geometricErrorMetres /
+               (view.pixelMetres + view.pixelGrowth * std::max(before, 0.0));
+    }
     const double distance = distanceTo(volume, view.eye);
     if (!(distance > 0.0))
         return std::numeric_limits<double>::infinity();

@@ -17,6 +17,10 @@ struct View {
     double pixelsPerRadian = 0.0;
     // Orthographic: the size of a pixel (a shadow map's texel) in metres.
     double pixelMetres = 0.0;
+    // Orthographic: a metre farther against `forward` than `growthFromMetres` before `eye`, a pixel
+    // counts as so much larger: what casts from afar casts blurred.
+    double pixelGrowth = 0.0;
+    double growthFromMetres = 0.0;
     double weight = 1.0; // multiplies the view's screen-space error; light views may ask for less
 };
 

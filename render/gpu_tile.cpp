@@ -106,7 +106,8 @@ void GpuTile::uploadGeometry(const TileContent& content) {
         out.box = mesh.box;
         out.firstIndex = std::uint32_t(indices.size());
         out.closedIndices = mesh.closedTriangles * 3;
-        out.openIndices = std::uint32_t(mesh.indices.size()) - out.closedIndices;
+        out.openIndices = mesh.castingTriangles() * 3 - out.closedIndices;
+        out.skirtIndices = mesh.skirtTriangles * 3;
         out.baseVertex = std::int32_t(positions.size());
         out.material = std::uint32_t(mesh.material);
         meshes_.push_back(out);

@@ -17,6 +17,7 @@ struct GpuMesh {
     std::uint32_t firstIndex = 0;
     std::uint32_t closedIndices = 0; // of closed components, first
     std::uint32_t openIndices = 0;   // after them
+    std::uint32_t skirtIndices = 0;  // last; for the eye only
     std::int32_t baseVertex = 0;
     std::uint32_t material = 0;
 };

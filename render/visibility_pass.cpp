@@ -103,7 +103,8 @@ std::uint64_t VisibilityPass::draw(const Camera& camera, std::span<const DrawIte
         glUniform3f(0, offset.x, offset.y, offset.z);
         glUniform1ui(3, item.mesh->firstIndex / 3);
         glUniform1ui(4, item.tileId);
-        const std::uint32_t count = item.mesh->closedIndices + item.mesh->openIndices;
+        const std::uint32_t count =
+            item.mesh->closedIndices + item.mesh->openIndices + item.mesh->skirtIndices;
         glDrawElementsBaseVertex(
             GL_TRIANGLES, int(count), GL_UNSIGNED_INT,
             reinterpret_cast<const void*>(std::uintptr_t(item.mesh->firstIndex) * 4),

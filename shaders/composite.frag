@@ -1,6 +1,6 @@
 #version 450 core
 // Light, haze, sky and tone: from what is seen and how much sun it gets to the picture. With LAMPS, also
-// what lamps give it.
+// what lamps give it; with WATER, water over it.
 #include "interface.h"
 #include "surface.glsl"
 
@@ -30,7 +30,7 @@ float transmittance(vec3 ray, float distance) {
     return exp(-haze.w * mean * distance);
 }
 
-vec3 sky(vec3 ray) {
+vec3 skyBesideSun(vec3 ray) {
     float up = dot(localUp.xyz, ray);
     float dip = skyHorizon.w;
     float height = clamp((up + dip) / (1.0 + dip), 0.0, 1.0);
@@ -39,8 +39,12 @@ vec3 sky(vec3 ray) {
     float toward = dot(ray, sunDirection.xyz);
     float halo = max(toward, 0.0), halo2 = halo * halo, halo4 = halo2 * halo2;
     color += sunGlow.rgb * (0.25 * halo4 * halo4 + 1.5 * pow(halo, 256.0));
-    color *= skyZenith.w;
-    if (toward > sunDirection.w && up > -dip)
+    return color * skyZenith.w;
+}
+
+vec3 sky(vec3 ray) {
+    vec3 color = skyBesideSun(ray);
+    if (dot(ray, sunDirection.xyz) > sunDirection.w && dot(localUp.xyz, ray) > -skyHorizon.w)
         color += sunRadiance.rgb * 20.0;
     return color;
 }
@@ -69,35 +73,61 @@ ivec2 mended(ivec2 pixel) {
     return surfaces >= 7 ? neighbour : pixel;
 }
 
+// What a pixel's opaque surface sends, and how much of it is the tone curve's already.
+struct Surface {
+    vec4 albedo; // a: above 0.5 unlit: its colours carry light and tone already; shadow takes the sun's share
+    vec3 skyLight;
+    vec3 lamps;
+    float facing, sun;
+};
+
+Surface surfaceAt(ivec2 pixel) {
+    Surface s;
+    s.albedo = texelFetch(albedoTexture, pixel, 0);
+    vec4 oct = texelFetch(normalTexture, pixel, 0) * 2.0 - 1.0;
+    vec3 shading = decodeOct(oct.zw);
+    s.sun = texelFetch(sunTexture, pixel, 0).r;
+    s.facing = max(dot(shading, sunDirection.xyz), 0.0);
+    s.skyLight = mix(groundBounce.rgb, skyLightUp.rgb, 0.5 + 0.5 * dot(shading, localUp.xyz));
+    s.lamps = vec3(0.0);
+#ifdef LAMPS
+    s.lamps = texelFetch(lampTexture, pixel, 0).rgb;
+#endif
+    return s;
+}
+
+vec3 toned(Surface s) {
+    if (s.albedo.a > 0.5)
+        return s.albedo.rgb *
+               min(unlitShade.x + unlitShade.y * s.sun * smoothstep(0.0, 0.2, s.facing) + toneMap(s.lamps), 1.0);
+    return toneMap(s.albedo.rgb * (s.skyLight + sunRadiance.rgb * s.facing * s.sun + s.lamps));
+}
+
+vec3 hazed(vec3 color, vec3 direction, float distance) {
+    return mix(toneMap(haze.rgb), color, transmittance(direction, distance));
+}
+
+#ifdef WATER
+#include "water_look.glsl"
+#endif
+
 void main() {
     ivec2 pixel = mended(ivec2(gl_FragCoord.xy));
     float depth = texelFetch(depthTexture, pixel, 0).r;
     vec3 ray = viewRay(ndc);
     vec3 direction = normalize(ray);
+#ifdef WATER
+    float water = texelFetch(waterDepthTexture, ivec2(gl_FragCoord.xy), 0).r;
+    if (water > 0.0) {
+        float distance = viewDepth(water) * length(ray);
+        vec3 color = overWater(pixel, depth, direction, distance, length(ray));
+        outColor = vec4(hazed(color, direction, distance), 1.0);
+        return;
+    }
+#endif
     if (depth <= 0.0) {
         outColor = vec4(toneMap(sky(direction)), 1.0);
         return;
     }
-    vec4 albedo = texelFetch(albedoTexture, pixel, 0);
-    vec4 oct = texelFetch(normalTexture, pixel, 0) * 2.0 - 1.0;
-    vec3 shading = decodeOct(oct.zw);
-    float sun = texelFetch(sunTexture, pixel, 0).r;
-
-    float up = dot(shading, localUp.xyz);
-    float facing = max(dot(shading, sunDirection.xyz), 0.0);
-    vec3 skyLight = mix(groundBounce.rgb, skyLightUp.rgb, 0.5 + 0.5 * up);
-    vec3 lamps = vec3(0.0);
-#ifdef LAMPS
-    lamps = texelFetch(lampTexture, pixel, 0).rgb;
-#endif
-    vec3 color;
-    if (albedo.a > 0.5) // unlit: its colours carry light and tone already; shadow takes the sun's share
-        color = albedo.rgb *
-                min(unlitShade.x + unlitShade.y * sun * smoothstep(0.0, 0.2, facing) + toneMap(lamps), 1.0);
-    else
-        color = toneMap(albedo.rgb * (skyLight + sunRadiance.rgb * facing * sun + lamps));
-
-    float distance = viewDepth(depth) * length(ray);
-    color = mix(toneMap(haze.rgb), color, transmittance(direction, distance));
-    outColor = vec4(color, 1.0);
+    outColor = vec4(hazed(toned(surfaceAt(pixel)), direction, viewDepth(depth) * length(ray)), 1.0);
 }

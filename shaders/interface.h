@@ -20,6 +20,9 @@ using mat4 = glm::mat4;
 #define ATTRIB_NORMAL 1
 #define ATTRIB_UV 2
 #define ATTRIB_COLOR 3
+// Of water, besides position and normal.
+#define ATTRIB_WATER_DEPTH 2
+#define ATTRIB_VELOCITY 3
 
 // Uniform blocks.
 #define BLOCK_VIEW 0
@@ -27,6 +30,7 @@ using mat4 = glm::mat4;
 #define BLOCK_LOOK 2
 #define BLOCK_PROJECTIVE 3
 #define BLOCK_LAMP 4
+#define BLOCK_WATER 5
 
 // Textures.
 #define TEX_BASE_COLOR 0
@@ -37,9 +41,17 @@ using mat4 = glm::mat4;
 #define TEX_CASCADES 5
 #define TEX_SUN 6
 #define TEX_PROJECTIVE 7
+#define TEX_COLOR_MAP 8
+#define TEX_GROUND_ERROR 9
 #define TEX_LAMP_MAPS 10
 #define TEX_LAMP_PLANES 11
 #define TEX_LAMP_LIGHT 12
+#define TEX_WATER_DEPTH 13
+#define TEX_WATER_NORMALS 14
+#define TEX_WATER_COLOR 15
+#define TEX_WATER_VALUE 16
+#define TEX_WATER_SUN 17
+#define TEX_TILES 18
 
 // Images, while a map of two layers is drawn.
 #define IMAGE_FIRST_LAYER 0
@@ -119,6 +131,15 @@ GNOMON_BLOCK(LookBlock, BLOCK_LOOK) {
     vec4 unlitShade;   // x: sky's share, y: sun's share of an unlit colour
 };
 
+// What water does to light, and where its ripples are counted from.
+GNOMON_BLOCK(WaterBlock, BLOCK_WATER) {
+    vec4 waterExtinction; // rgb: a metre
+    vec4 waterScatter;    // rgb: share of the light that comes back from deep water
+    vec4 rippleOrigin; // xy: the camera along the meshes' axes, modulo RIPPLE_TILE; z: angle of a
+                       // pixel, radians; w: mean square slope of what is smaller than all ripples
+};
+#define RIPPLE_TILE 64.0 // metres, after which ripples repeat
+
 #ifdef __cplusplus
 #undef GNOMON_BLOCK
 static_assert(sizeof(ViewBlock) == 112);
@@ -126,6 +147,7 @@ static_assert(sizeof(SunBlock) == 16 * (9 + 3 * MAX_CASCADES));
 static_assert(sizeof(ProjectiveBlock) == 16 * (3 + 6 * MAX_PROJECTIVE));
 static_assert(sizeof(LookBlock) == 160);
 static_assert(sizeof(LampBlock) == 112);
+static_assert(sizeof(WaterBlock) == 48);
 } // namespace gnomon::shader
 #endif
 

@@ -1,5 +1,6 @@
 #include "shadows/cascades.h"
 
+#include "geo/sun.h"
 #include "shadows/splits.h"
 
 #include <glm/common.hpp>
@@ -12,6 +13,9 @@ namespace gnomon {
 
 namespace {
 
+// Of a penumbra's width: tiles may show an error of 8 to 16 pixels, so an eighth to a quarter of
+// it.
+constexpr double kPixelOfPenumbra = 1.0 / 64.0;
 constexpr int kTexelStepsPerOctave = 8; // a texel is at most 9 % larger than it need be
 
 std::int64_t floorDiv(std::int64_t a, std::int64_t b) {
@@ -132,6 +136,11 @@ View casterView(const CascadeSet& set, const Cascade& cascade) {
     view.eye = ecefFromLight(Point<Light>{0.5 * (low + high)});
     view.forward = -z;
     view.pixelMetres = t;
+    // What stands farther towards the sun than the slice is deep throws a penumbra as wide as the
+    // sun's disc from there: a pixel may be this share of it.
+    view.pixelGrowth =
+        kPixelOfPenumbra * 2.0 * std::tan(0.5 * kSunDiameterDegrees * kRadiansPerDegree);
+    view.growthFromMetres = t * set.mapSize;
     return view;
 }
 

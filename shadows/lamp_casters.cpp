@@ -120,8 +120,8 @@ struct Writer {
         for (LampMapTriangles& map : out.maps)
             if (alpha)
                 map.alpha.push_back({std::uint32_t(map.corners.size() / 3), 0, index});
-        for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
-            addTriangle(mesh, &mesh.indices[i], alpha);
+        for (std::uint32_t i = 0; i < mesh.castingTriangles(); ++i)
+            addTriangle(mesh, &mesh.indices[std::size_t(i) * 3], alpha);
     }
 
     void addTriangle(const Mesh& mesh, const std::uint32_t* corner, bool alpha) {

@@ -157,7 +157,7 @@ SunPass::SunPass() : block_(render::makeDynamicBuffer(sizeof(shader::SunBlock)))
     empty_ = render::VertexArray(id);
 }
 
-void SunPass::resize(int width, int height) {
+void SunPicture::resize(int width, int height) {
     if (width == width_ && height == height_)
         return;
     width_ = width;
@@ -173,29 +173,32 @@ void SunPass::resize(int width, int height) {
     glNamedFramebufferDrawBuffers(id, 2, buffers);
 }
 
-void SunPass::draw(const render::VisibilityPass& seen, const SunPassInput& input,
-                   const ShadowSettings& settings) {
-    resize(seen.width(), seen.height());
+void SunPass::draw(const SunReceivers& seen, const SunPassInput& input,
+                   const ShadowSettings& settings, SunPicture& into) {
+    into.resize(seen.width, seen.height);
     render::update(block_, sunBlock(input, settings));
-    render::bindUniformBlock(BLOCK_VIEW, seen.viewBlock());
+    render::bindUniformBlock(BLOCK_VIEW, seen.viewBlock);
     render::bindUniformBlock(BLOCK_SUN, block_);
-    render::bindTexture(TEX_DEPTH, seen.depth());
-    render::bindTexture(TEX_NORMALS, seen.normals());
+    render::bindTexture(TEX_DEPTH, seen.depth);
+    render::bindTexture(TEX_NORMALS, seen.normals);
     if (input.maps != nullptr)
         render::bindTexture(TEX_CASCADES, input.maps->maps());
-    glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
-    glViewport(0, 0, width_, height_);
+    glBindFramebuffer(GL_FRAMEBUFFER, into.target_.id());
+    glViewport(0, 0, seen.width, seen.height);
+    glScissor(seen.bounds.x, seen.bounds.y, seen.bounds.width, seen.bounds.height);
+    glEnable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     use(settings, input);
     glBindVertexArray(empty_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);
 }
 
-std::vector<float> SunPass::readVisibility() const {
+std::vector<float> SunPicture::readVisibility() const {
     return render::readTopDown<float>(visibility_, width_, height_, 1, GL_RED, GL_FLOAT);
 }
 
-std::vector<std::uint8_t> SunPass::readCascades() const {
+std::vector<std::uint8_t> SunPicture::readCascades() const {
     return render::readTopDown<std::uint8_t>(cascade_, width_, height_, 1, GL_RED,
                                              GL_UNSIGNED_BYTE);
 }

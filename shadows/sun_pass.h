@@ -1,10 +1,11 @@
-// How much of the sun each seen surface gets, in screen space: sun.frag over the visibility pass
-// and the cascades' maps.
+// How much of the sun each seen surface gets, in screen space: sun.frag over what the camera sees,
+// the nearest opaque surfaces or the water's, and the cascades' maps.
 #pragma once
 
 #include "render/handles.h"
 #include "render/program.h"
 #include "render/visibility_pass.h"
+#include "render/water_pass.h"
 #include "shadows/cascade_pass.h"
 #include "shadows/cascades.h"
 #include "shadows/projective_pass.h"
@@ -30,28 +31,52 @@ struct SunPassInput {
     const ProjectivePass* projective = nullptr;
 };
 
-class SunPass {
-  public:
-    SunPass();
-    void draw(const render::VisibilityPass& seen, const SunPassInput& input,
-              const ShadowSettings& settings);
+// The surfaces that are asked; their textures are read while the pass draws.
+struct SunReceivers {
+    // Implicit: either is what the camera sees.
+    SunReceivers(const render::VisibilityPass& seen)
+        : depth(seen.depth()), normals(seen.normals()), viewBlock(seen.viewBlock()),
+          width(seen.width()), height(seen.height()), bounds{0, 0, width, height} {}
+    SunReceivers(const render::WaterPass& seen)
+        : depth(seen.depth()), normals(seen.normals()), viewBlock(seen.viewBlock()),
+          width(seen.width()), height(seen.height()), bounds(seen.bounds()) {}
 
+    const render::Texture& depth;
+    const render::Texture& normals;
+    const render::Buffer& viewBlock;
+    int width, height;
+    render::PixelRect bounds; // the answer elsewhere is left as it was
+};
+
+// The answer, a value a pixel.
+class SunPicture {
+  public:
     const render::Texture& visibility() const { return visibility_; } // R16, 1 lit
     // Rows top to bottom.
     std::vector<float> readVisibility() const;
     std::vector<std::uint8_t> readCascades() const; // 128 and more: projective; 255 none
 
   private:
+    friend class SunPass;
     void resize(int width, int height);
 
+    render::Texture visibility_, cascade_;
+    render::Framebuffer target_;
+    int width_ = 0, height_ = 0;
+};
+
+class SunPass {
+  public:
+    SunPass();
+    void draw(const SunReceivers& seen, const SunPassInput& input, const ShadowSettings& settings,
+              SunPicture& into);
+
+  private:
     void use(const ShadowSettings& settings, const SunPassInput& input);
 
     std::map<std::string, render::Program> programs_; // by their defines; compiled when first used
     render::Buffer block_;
-    render::Texture visibility_, cascade_;
-    render::Framebuffer target_;
     render::VertexArray empty_;
-    int width_ = 0, height_ = 0;
 };
 
 } // namespace gnomon

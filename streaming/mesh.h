@@ -68,6 +68,7 @@ struct Mesh {
     std::vector<OctNormal> faceNormals; // one a triangle, geometric
 
     std::uint32_t triangles() const { return std::uint32_t(indices.size() / 3); }
+    std::uint32_t castingTriangles() const { return triangles() - skirtTriangles; } // the first
     std::size_t bytes() const;
 };
 

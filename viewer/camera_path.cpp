@@ -26,6 +26,7 @@ struct Keyframe {
     Quaternion orientation{1, 0, 0, 0}; // ECEF from camera axes (right, up, backward)
     double fovDegrees = 45.0;
     std::optional<double> utcSeconds;
+    std::optional<std::string> timeZone;
 
     // What smooth interpolation adds: derivatives by t.
     glm::dvec3 velocity{0.0};
@@ -127,11 +128,13 @@ Result<Keyframe> readKeyframe(const nlohmann::json& object, const std::string& n
     orientation.rollDegrees = read.numberOr("roll", 0, -3600, 3600);
     key.fovDegrees = read.numberOr("fov", defaultFovDegrees, 0.01, 179);
     if (const auto time = read.optionalText("time")) {
-        const Result<UtcTime> utc = parseTime(*time);
-        if (utc)
-            key.utcSeconds = utc->seconds;
-        else
-            read.fail("\"time\": " + utc.error().message());
+        const Result<ZonedTime> moment = parseZonedTime(*time);
+        if (moment) {
+            key.utcSeconds = moment->utc.seconds;
+            key.timeZone = moment->zone;
+        } else {
+            read.fail("\"time\": " + moment.error().message());
+        }
     }
     read.refuseOthers({"t", "lon", "lat", "height", "heading", "pitch", "roll", "fov", "time"});
     if (read.failure())
@@ -324,6 +327,12 @@ double CameraPath::startSeconds() const {
 }
 double CameraPath::endSeconds() const {
     return state_->keys.back().t;
+}
+std::optional<std::string> CameraPath::timeZone() const {
+    for (const Keyframe& key : state_->keys)
+        if (key.timeZone)
+            return key.timeZone;
+    return {};
 }
 std::size_t CameraPath::size() const {
     return state_->keys.size();

@@ -39,7 +39,8 @@ class CameraPath {
 
     double startSeconds() const;
     double endSeconds() const;
-    std::size_t size() const; // keyframes
+    std::optional<std::string> timeZone() const; // the first that a keyframe's time names
+    std::size_t size() const;                    // keyframes
     Interpolation interpolation() const;
 
   private:

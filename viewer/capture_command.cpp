@@ -5,6 +5,7 @@
 #include "viewer/messages.h"
 #include "viewer/option_values.h"
 #include "viewer/output_file.h"
+#include "viewer/overlay_facts.h"
 #include "viewer/progress.h"
 #include "viewer/shot.h"
 #include "viewer/stop_signal.h"
@@ -15,6 +16,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <set>
 
 namespace gnomon {
 
@@ -91,6 +94,14 @@ class Capture {
         if (!planned)
             return planned.error();
         planned_ = std::move(*planned);
+        single_ = planned_.size() == 1;
+        report_.settingsHash = settingsHash(options_);
+        if (options_.resume)
+            leaveWhatIsThere();
+        if (planned_.empty()) {
+            sayNote(options_.output, "no frames are left to draw");
+            return {};
+        }
         if (Failure wrong = checkWritable(output_.of(planned_.front().index)))
             return wrong;
         if (options_.picture.frameReport)
@@ -99,12 +110,55 @@ class Capture {
         return prepareDrawing();
     }
 
+    std::string description() const { return "gnomon, settings " + report_.settingsHash; }
+    ImageFormat imageFormat() const {
+        return output_.format() == OutputFormat::Png ? ImageFormat::Png : ImageFormat::Jpeg;
+    }
+
+    // A picture is written last, whole, and says so only when nothing in it was missing.
+    void leaveWhatIsThere() {
+        const std::string drawnSo = description();
+        const auto isThere = [&](const PlannedFrame& frame) {
+            if (readDescription(imageFormat(), output_.of(frame.index)) != drawnSo)
+                return false;
+            std::error_code ignored;
+            return std::all_of(options_.aovs.begin(), options_.aovs.end(), [&](Aov aov) {
+                return std::filesystem::exists(pathOf(frame, aov), ignored);
+            });
+        };
+        std::vector<PlannedFrame> left;
+        for (const PlannedFrame& frame : planned_)
+            if (isThere(frame))
+                report_.kept.push_back(frame.index);
+            else
+                left.push_back(frame);
+        planned_ = std::move(left);
+        if (!report_.kept.empty())
+            sayNote(options_.output,
+                    std::to_string(report_.kept.size()) + " frames are there already");
+    }
+
+    void prepareOverlay() {
+        if (!options_.overlay)
+            return;
+        auto overlay = Overlay::create();
+        if (!overlay) {
+            sayWarning("overlay", overlay.error().message() + ": nothing is written over pictures");
+            return;
+        }
+        overlay_ = std::move(*overlay);
+        overlayFacts_ = overlayFactsOf(*scene_);
+    }
+
     Failure prepareDrawing() {
         Result<Scene> scene = openAsked(options_.picture);
         if (!scene)
             return scene.error();
         scene_.emplace(std::move(*scene));
-        if (say(scene_->problems))
+        report_.credits = scene_->credits;
+        prepareOverlay();
+        inputsLeftOut_ = say(scene_->problems);
+        if (inputsLeftOut_)
             exitCode_ = exit_code::kSkipped;
         for (const Problem& problem : scene_->problems)
             if (problem.severity == Problem::Severity::Error)
@@ -125,7 +179,6 @@ class Capture {
         if (!renderer)
             return renderer.error();
         renderer_ = std::move(*renderer);
-        report_.settingsHash = settingsHash(options_.picture);
         return openVideo();
     }
 
@@ -163,18 +216,17 @@ class Capture {
         ReportedFrame reported{planned.index, shot.time, shot.camera, shot.sun, *facts, {}, {}};
         Failure failure = judge(planned, *facts);
         if (!failure && facts->late.empty())
-            failure = write(planned, reported);
+            failure = write(planned, shot, reported);
         report_.frames.push_back(std::move(reported));
         return failure;
     }
 
     std::string nameOf(const PlannedFrame& planned) const {
-        return planned_.size() == 1 ? output_.of(planned.index)
-                                    : "frame " + std::to_string(planned.index);
+        return single_ ? output_.of(planned.index) : "frame " + std::to_string(planned.index);
     }
     Error named(const PlannedFrame& planned, const Error& error) const {
-        return {planned_.size() == 1 ? error.subject : nameOf(planned) + ": " + error.subject,
-                error.reason, error.kind};
+        return {single_ ? error.subject : nameOf(planned) + ": " + error.subject, error.reason,
+                error.kind};
     }
 
     // What a frame without all its tiles means for the run. A video cannot go on without a frame.
@@ -221,29 +273,43 @@ class Capture {
     }
 
     // The picture comes last: where it is, all that goes with it is too.
-    Failure write(const PlannedFrame& planned, ReportedFrame& reported) {
+    Failure write(const PlannedFrame& planned, const Shot& shot, ReportedFrame& reported) {
         for (const Aov aov : options_.aovs)
             if (Failure wrong = writeAov(planned, aov, reported))
                 return wrong;
-        const Picture picture = renderer_->picture();
+        Picture picture = renderer_->picture();
+        drawOverlay(picture, shot);
         const std::string path = output_.of(planned.index);
+        const bool whole =
+            reported.facts.missing.empty() &&
+            reported.facts.screenSpaceError <= options_.picture.frame.maximumScreenSpaceError;
         const Failure wrong =
             video_ ? video_->add(picture)
-                   : writeImage(picture,
-                                output_.format() == OutputFormat::Png ? ImageFormat::Png
-                                                                      : ImageFormat::Jpeg,
-                                path);
+                   : writeImage(picture, imageFormat(), path, whole ? description() : "");
         if (wrong)
             return named(planned, *wrong);
         reported.files.push_back(path);
         return {};
     }
 
+    void drawOverlay(Picture& picture, const Shot& shot) {
+        if (!overlay_)
+            return;
+        setMoment(overlayFacts_, *scene_, shot, renderer_->groundHeightMetres());
+        for (const std::string& name : overlay_->draw(picture, overlayFacts_))
+            if (withoutRoom_.insert(name).second)
+                sayWarning("overlay", "the picture has no room for " + name);
+    }
+
+    std::string pathOf(const PlannedFrame& planned, Aov aov) const {
+        return output_.beside(planned.index, std::string(gnomon::nameOf(aov)) +
+                                                 (aov == Aov::Cascade ? ".png" : ".exr"));
+    }
+
     Failure writeAov(const PlannedFrame& planned, Aov aov, ReportedFrame& reported) {
         const FloatPicture picture = renderer_->aov(aov);
         const bool grey = aov == Aov::Cascade;
-        const std::string path = output_.beside(planned.index, std::string(gnomon::nameOf(aov)) +
-                                                                   (grey ? ".png" : ".exr"));
+        const std::string path = pathOf(planned, aov);
         const Failure wrong = grey ? writeGreyPng(picture, path)
                                    : writeExr(picture, aov == Aov::Normal ? "XYZ" : "Y", path);
         if (wrong)
@@ -277,11 +343,16 @@ class Capture {
     const Clock::time_point start_ = Clock::now();
     std::optional<Shots> shots_;
     std::vector<PlannedFrame> planned_;
+    bool single_ = false; // one frame was asked for
     std::optional<Scene> scene_;
+    bool inputsLeftOut_ = false;
     std::unique_ptr<render::Context> context_;
     std::unique_ptr<FrameRenderer> renderer_; // before its context and scene go
     std::unique_ptr<VideoFile> video_;
-    std::vector<std::size_t> said_; // failures told so far, a count per layer
+    std::unique_ptr<Overlay> overlay_; // null without
+    OverlayFacts overlayFacts_;
+    std::set<std::string> withoutRoom_; // told so far
+    std::vector<std::size_t> said_;     // failures told so far, a count per layer
     FrameReport report_;
     ProgressBar bar_{"frames"};
     int exitCode_ = exit_code::kDone;

@@ -43,9 +43,16 @@ Result<std::vector<PlannedFrame>> planFrames(const CaptureOptions& options,
                                      "OUT needs {frame} in its name, or a video's ending");
     if (output.isVideo() && !options.aovs.empty())
         return usage("--aov", "goes with pictures ({frame} in OUT), not with a video");
+    if (options.shard && !output.perFrame())
+        return usage("--shard", "goes with pictures that have {frame} in their name");
+    if (options.resume && output.isVideo())
+        return usage("--resume", "goes with pictures, not with a video");
+    const Shard shard = options.shard.value_or(Shard{});
     std::vector<PlannedFrame> frames;
-    for (std::int64_t index = range.first; index <= range.last; index += range.step)
+    for (std::int64_t i = shard.number - 1; i < count; i += shard.count) {
+        const std::int64_t index = range.first + i * range.step;
         frames.push_back({index, double(index) / options.framesPerSecond});
+    }
     return frames;
 }
 

@@ -14,7 +14,8 @@ struct PlannedFrame {
 };
 
 // `flightSeconds`: of the camera path, 0 when there is none. A flight of D seconds has D · fps
-// frames, at least one. Fails (Usage) when several frames would go into one picture.
+// frames, at least one. Fails (Usage) when several frames would go into one picture, and for a
+// shard or a resumed run of what is no row of pictures. A shard may have no frames.
 Result<std::vector<PlannedFrame>> planFrames(const CaptureOptions& options,
                                              const OutputName& output, double flightSeconds);
 

@@ -188,6 +188,7 @@ class Evaluate {
                                   frame_,
                                   camera_,
                                   sun_,
+                                  time_,
                                   {},
                                   path_,
                                   options_.raysPerPixel,

@@ -40,6 +40,8 @@ struct FrameRequest {
     // The surfaces that the last frame saw are asked again, under this camera's shadow maps: what
     // changes between the two answers flickers. Wants the same size of picture.
     bool keepSurfaces = false;
+    // As if there were none: rays that are asked instead know of no water.
+    bool withoutWater = false;
 };
 
 struct CascadeFacts {
@@ -51,8 +53,9 @@ struct FrameFacts {
     bool complete = false;
     std::uint32_t tilesSelected = 0;
     std::uint64_t tilesLoaded = 0;
-    std::vector<std::string> missing; // wanted by this frame, and not there: failed or late
-    std::vector<std::string> late;    // of these, the ones still loading when the deadline passed
+    // Wanted by this frame, and not there: tiles that failed or are late; water, with its reason.
+    std::vector<std::string> missing;
+    std::vector<std::string> late; // of these, the ones still loading when the deadline passed
     double screenSpaceError = 0;
     std::size_t decodedBytes = 0, gpuBytes = 0;
     std::uint64_t triangles = 0;
@@ -61,6 +64,8 @@ struct FrameFacts {
     std::vector<double> depthMs;                    // GPU, a value per map
     double resolveMs = 0; // of all maps: from two layers to the map's depth; 0 without
     double visibilityMs = 0, sunMs = 0, compositeMs = 0, gpuTotalMs = 0;
+    double waterMs = 0; // its surface, and the sun on it
+    std::uint64_t waterTriangles = 0;
     double lampMs = 0;                          // maps that had to be drawn, and light
     std::uint32_t lamps = 0, lampMapsDrawn = 0; // lit; and the maps among theirs drawn this frame
     std::vector<CascadeFacts> cascades;
@@ -104,17 +109,20 @@ class FrameRenderer {
     Result<FrameFacts> draw(const FrameRequest& request);
 
     Picture picture();
-    // One channel for Sun (0…1, -1 sky), Depth (metres along the view axis, +inf sky), Cascade
-    // (0-based; kFirstProjective and more: maps in the eye's perspective; 255 none) and Tile (id, 0
-    // none); three for Normal (ENU at the camera, 0 sky).
+    // Of the nearest surface, water included; Tile of the nearest that is opaque. One channel for
+    // Sun (0…1, -1 sky), Depth (metres along the view axis, +inf sky), Cascade (0-based;
+    // kFirstProjective and more: maps in the eye's perspective; 255 none) and Tile (id, 0 none);
+    // three for Normal (ENU at the camera, 0 sky).
     FloatPicture aov(Aov which);
+    // The share of sun of the opaque surface, also where water is over it; -1 sky.
+    FloatPicture opaqueSun();
     // Names for the ids in the Tile picture; index 0 is "".
     const std::vector<std::string>& tileNames() const;
     // Of the last frame, for those who hold its shadows against rays:
     std::vector<ResidentTile> residentTiles() const;
     std::vector<std::vector<MeshId>> drawnCasters() const; // ascending, a list per cascade
-    FloatPicture
-    texels(); // metres across the texel a pixel's shadow is from, in the light's plane; 0 none
+    // Metres across the texel an opaque pixel's shadow is from, in the light's plane; 0 none.
+    FloatPicture texels();
     // The same as Aov::Sun and texels(), of a lamp by its index in the scene; 0 turned away or out
     // of its range, -1 sky. Empty for one that was not lit.
     FloatPicture lampVisibility(std::size_t lamp);

@@ -1,6 +1,7 @@
 #include "viewer/frame_report.h"
 
 #include "viewer/input.h"
+#include "viewer/option_values.h"
 
 #include <nlohmann/json.hpp>
 
@@ -114,21 +115,37 @@ void describe(std::ostringstream& out, const ShadowSettings& s) {
 void describe(std::ostringstream& out, const SceneOptions& scene) {
     for (const std::string& input : scene.inputs)
         out << "input " << input << '\n';
-    out << "crs " << scene.crs.value_or("") << ' ' << int(scene.heights) << '\n';
+    out << "crs " << scene.crs.value_or("") << ' '
+        << int(scene.heights.value_or(Heights::Ellipsoidal)) << '\n';
     if (scene.placement)
         out << "place " << scene.placement->origin.longitudeDegrees << ' '
             << scene.placement->origin.latitudeDegrees << ' '
             << scene.placement->origin.heightMetres << ' ' << scene.placement->headingDegrees
             << '\n';
-    out << "up " << int(scene.up) << " raise " << scene.raiseMetres << '\n';
+    out << "up " << int(scene.up.value_or(ModelUp::Auto)) << " raise "
+        << scene.raiseMetres.value_or(0.0) << '\n';
+    const auto whole = [](const auto& choice) { return choice ? int(*choice) : -1; };
+    const auto number = [](const std::optional<double>& value) { return value.value_or(-1.0); };
+    const auto moment = [](const std::optional<UtcTime>& time) {
+        return time ? time->seconds : -1.0;
+    };
+    out << "layers " << number(scene.heightMetres) << ' ' << number(scene.widthMetres) << ' '
+        << scene.heightAttribute.value_or("") << ' ' << moment(scene.from) << ' '
+        << moment(scene.until) << ' ' << whole(scene.waterKind) << ' '
+        << scene.variable.value_or("") << ' ' << moment(scene.start) << ' '
+        << number(scene.stepSeconds) << ' ' << number(scene.dryMetres) << ' ' << whole(scene.colors)
+        << ' ' << number(scene.most) << ' ' << whole(scene.look) << '\n';
 }
 
 } // namespace
 
-std::string settingsHash(const PictureOptions& options) {
+namespace {
+
+std::string description(const PictureOptions& options) {
     std::ostringstream out;
     out.precision(17);
     out << GNOMON_VERSION << '\n';
+    out << "scene " << options.benchScene.value_or("") << '\n';
     describe(out, options.scene);
     const FrameOptions& frame = options.frame;
     describe(out, frame.shadows);
@@ -137,8 +154,27 @@ std::string settingsHash(const PictureOptions& options) {
     out << options.widthPixels << 'x' << options.heightPixels << ' '
         << options.fovDegrees.value_or(kDefaultFovDegrees) << '\n';
     std::visit(SunText{out}, options.sun);
+    if (options.fixedSun)
+        out << " fixed " << options.fixedSun->azimuthDegrees << ' '
+            << options.fixedSun->elevationDegrees;
     out << '\n';
     std::visit(CameraText{out}, options.camera);
+    return out.str();
+}
+
+} // namespace
+
+std::string settingsHash(const PictureOptions& options) {
+    return hashOf(description(options));
+}
+
+std::string settingsHash(const CaptureOptions& options) {
+    std::ostringstream out;
+    out.precision(17);
+    out << description(options.picture) << "\nfps " << options.framesPerSecond << " overlay "
+        << options.overlay << ' ' << options.picture.timeZone.value_or("") << " aov";
+    for (const Aov aov : options.aovs)
+        out << ' ' << nameOf(aov);
     return hashOf(out.str());
 }
 
@@ -159,6 +195,9 @@ std::string FrameReport::json() const {
         json["frames"].push_back(frameJson(frame));
         peakGpuBytes = std::max(peakGpuBytes, frame.facts.gpuBytes);
     }
+    if (!kept.empty())
+        json["kept"] = kept;
+    json["credits"] = credits;
     json["skipped"] = Json::array();
     for (const Error& error : skipped)
         json["skipped"].push_back({{"uri", error.subject}, {"reason", error.reason}});

@@ -23,7 +23,9 @@ struct FrameReport {
     std::string renderer;
     std::string settingsHash;
     std::vector<ReportedFrame> frames;
+    std::vector<std::int64_t> kept; // frames that were there already (--resume)
     std::vector<Error> skipped;
+    std::vector<std::string> credits;   // of the data shown
     std::optional<double> fullDetailMs; // from the start to the first complete frame
 
     std::string json() const;
@@ -31,6 +33,7 @@ struct FrameReport {
 
 // Of all that decides how a frame looks, but for the inputs' bytes.
 std::string settingsHash(const PictureOptions& options);
+std::string settingsHash(const CaptureOptions& options); // and of what is written beside it
 
 // The most memory this process has had, MB (10^6 bytes); 0 where it is not known.
 double peakResidentMegabytes();

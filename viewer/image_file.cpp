@@ -33,21 +33,41 @@ Failure encode(const char* plugin, const OIIO::ImageSpec& spec, OIIO::TypeDesc t
     return writeFile(path, std::as_bytes(std::span(bytes)));
 }
 
+const char* pluginOf(ImageFormat format) {
+    return format == ImageFormat::Png ? "png" : "jpeg";
+}
+
 bool isWhole(int width, int height, int channels, std::size_t values) {
     return width > 0 && height > 0 && values == std::size_t(width) * height * channels;
 }
 
 } // namespace
 
-Failure writeImage(const Picture& picture, ImageFormat format, const std::string& path) {
+Failure writeImage(const Picture& picture, ImageFormat format, const std::string& path,
+                   const std::string& description) {
     if (!isWhole(picture.width, picture.height, 3, picture.rgb.size()))
         return Error{path, "there is no picture to write", ErrorKind::Output};
     OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
     if (format == ImageFormat::Jpeg)
         spec.attribute("Compression", "jpeg:95");
-    return encode(format == ImageFormat::Png ? "png" : "jpeg", spec, OIIO::TypeDesc::UINT8,
-                  picture.rgb.data(), path);
+    if (!description.empty())
+        spec.attribute("ImageDescription", description);
+    return encode(pluginOf(format), spec, OIIO::TypeDesc::UINT8, picture.rgb.data(), path);
+}
+
+std::optional<std::string> readDescription(ImageFormat format, const std::string& path) {
+    const auto input = OIIO::ImageInput::create(pluginOf(format));
+    OIIO::ImageSpec spec;
+    if (!input || !input->open(path, spec)) {
+        OIIO::geterror(); // taken, or it is printed at the end
+        return {};
+    }
+    const std::string description = spec.get_string_attribute("ImageDescription");
+    input->close();
+    if (description.empty())
+        return {};
+    return description;
 }
 
 Failure writeExr(const FloatPicture& picture, const std::string& channelNames,

@@ -8,7 +8,7 @@
 namespace gnomon {
 
 int runInfo(const InfoOptions& options) {
-    const Inspection inspection = inspect(options.scene);
+    const Inspection inspection = inspect(options.scene, {options.at, options.time});
     const std::string text = options.json ? inspection.json() : inspection.text();
     std::fputs(text.c_str(), stdout);
     const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;

@@ -1,7 +1,7 @@
 #include "viewer/input.h"
 
+#include "streaming/guess_use.h"
 #include "streaming/json_text.h"
-#include "streaming/terrain/raster.h"
 
 #include <nlohmann/json.hpp>
 
@@ -29,30 +29,31 @@ constexpr std::size_t kMaxJsonBytes = std::size_t(512) << 20;
 // Enough for every magic number and the first words of a text format.
 constexpr std::size_t kMagicBytes = 64;
 
+enum class MagicUse { Refused, Raster, Features };
 struct Magic {
     std::string_view bytes;
     const char* name;
-    bool raster = false; // opened when it holds heights
+    MagicUse use = MagicUse::Refused;
 };
 using namespace std::string_view_literals;
-constexpr std::array kRefusedMagics = {
+constexpr std::array kMagics = {
     Magic{"i3dm"sv, "an instanced model (i3dm)"},
     Magic{"cmpt"sv, "a composite tile (cmpt)"},
     Magic{"pnts"sv, "a point cloud (pnts)"},
     Magic{"subt"sv, "a subtree of an implicit tileset (open its tileset.json)"},
-    Magic{"II*\0"sv, "a TIFF raster", true},
-    Magic{"MM\0*"sv, "a TIFF raster", true},
-    Magic{"II+\0"sv, "a TIFF raster", true},
-    Magic{"\x89HDF"sv, "a NetCDF or HDF5 file", true},
-    Magic{"CDF"sv, "a NetCDF file", true},
-    Magic{"SQLite format 3"sv, "a GeoPackage or other SQLite file"},
-    Magic{"\0\0\x27\x0a"sv, "a Shapefile"},
-    Magic{"\x89PNG"sv, "a picture (PNG)"},
-    Magic{"\xff\xd8\xff"sv, "a picture (JPEG)"},
+    Magic{"II*\0"sv, "a TIFF raster", MagicUse::Raster},
+    Magic{"MM\0*"sv, "a TIFF raster", MagicUse::Raster},
+    Magic{"II+\0"sv, "a TIFF raster", MagicUse::Raster},
+    Magic{"\x89HDF"sv, "a NetCDF or HDF5 file", MagicUse::Raster},
+    Magic{"CDF"sv, "a NetCDF file", MagicUse::Raster},
+    Magic{"SQLite format 3"sv, "a GeoPackage", MagicUse::Features},
+    Magic{"\0\0\x27\x0a"sv, "a Shapefile", MagicUse::Features},
+    Magic{"\x89PNG"sv, "a picture (PNG)", MagicUse::Raster},
+    Magic{"\xff\xd8\xff"sv, "a picture (JPEG)", MagicUse::Raster},
     Magic{"\x1f\x8b"sv, "a gzip file"},
     Magic{"PK\x03\x04"sv, "a zip file"},
-    Magic{"ncols"sv, "an ESRI ASCII raster", true},
-    Magic{"NCOLS"sv, "an ESRI ASCII raster", true},
+    Magic{"ncols"sv, "an ESRI ASCII raster", MagicUse::Raster},
+    Magic{"NCOLS"sv, "an ESRI ASCII raster", MagicUse::Raster},
     Magic{"<"sv, "an XML file"},
 };
 
@@ -112,11 +113,63 @@ class TopLevelKeys : public nlohmann::json_sax<nlohmann::json> {
 
 Error cannotOpen(const std::string& uri, const std::string& what) {
     return {uri, "this is " + what +
-                     ", which cannot be opened yet; tilesets (tileset.json), "
-                     "models (glb, gltf, b3dm), rasters of heights and scene files can"};
+                     ", which cannot be opened yet; tilesets (tileset.json), models (glb, gltf, "
+                     "b3dm), rasters, footprints, flood results and scene files can"};
 }
 
-Result<InputKind> kindOfJson(const std::string& text, const std::string& uri) {
+// What a file turned out to be.
+struct Kind {
+    InputKind kind = InputKind::Tileset;
+    std::optional<WaterKind> waterKind = {};
+    std::string guess = {};
+};
+
+Result<Kind> kindOfRaster(const std::string& path, const std::string& uri,
+                          const std::string& what) {
+    const Result<RasterGuess> guess = guessRasterUse(path);
+    if (!guess)
+        return Error{uri, "looks like " + what + ", but " + guess.error().reason};
+    const auto because = [&](const char* use) {
+        return std::string("taken for ") + use + ": " + guess->because +
+               "; terrain=, imagery=, depth= or stage= before its name says otherwise";
+    };
+    switch (guess->use) {
+    case RasterUse::Imagery:
+        return Kind{InputKind::Imagery, {}, because("imagery")};
+    case RasterUse::Depth:
+        return Kind{InputKind::Water, {}, because("water depths")};
+    case RasterUse::Stage:
+        return Kind{InputKind::Water, WaterKind::Stage, because("water levels")};
+    case RasterUse::Terrain:
+        break;
+    }
+    return Kind{InputKind::Terrain, {}, because("terrain")};
+}
+
+Result<Kind> kindOfFeatures(const std::string& path, const std::string& uri) {
+    const Result<FeatureGuess> guess = guessFeatureUse(path);
+    if (!guess)
+        return Error{uri, guess.error().reason};
+    const auto kind = [&](InputKind use) {
+        return Kind{use,
+                    {},
+                    std::string("taken for ") + nameOf(use) + ": " + guess->because +
+                        "; buildings=, trees=, barriers= or lamps= before its name says otherwise"};
+    };
+    switch (guess->use) {
+    case FeatureUse::Trees:
+        return kind(InputKind::Trees);
+    case FeatureUse::Barriers:
+        return kind(InputKind::Barriers);
+    case FeatureUse::Lamps:
+        return kind(InputKind::Lamps);
+    case FeatureUse::Buildings:
+        break;
+    }
+    return kind(InputKind::Buildings);
+}
+
+Result<Kind> kindOfJson(const std::string& text, const std::string& path, const std::string& uri) {
     TopLevelKeys top;
     bool whole = nlohmann::json::sax_parse(text, &top);
     if (top.errorAt) { // perhaps only the NaN that some exporters write
@@ -131,34 +184,28 @@ Result<InputKind> kindOfJson(const std::string& text, const std::string& uri) {
         return Error{uri, "a JSON list; expected a tileset, a glTF model or a scene file"};
     const auto has = [&](const char* key) { return top.keys.count(key) > 0; };
     if (has("asset") && has("root"))
-        return InputKind::Tileset;
+        return Kind{InputKind::Tileset};
     if (has("layers") && !has("tiles"))
-        return InputKind::SceneFile;
+        return Kind{InputKind::SceneFile};
     if (top.format.starts_with("quantized-mesh") || (has("tiles") && has("tilejson")))
-        return cannotOpen(uri, "a terrain description (layer.json)");
+        return Kind{InputKind::Terrain};
     if (has("keyframes"))
         return Error{uri, "this is a camera path; give it with --camera", ErrorKind::Usage};
     if (top.type == "CityJSON" || top.type == "CityJSONFeature")
-        return cannotOpen(uri, "CityJSON");
-    if (top.type == "FeatureCollection" || top.type == "Feature" || top.type == "Topology")
-        return cannotOpen(uri, "GeoJSON");
+        return Kind{InputKind::Buildings};
+    if (top.type == "FeatureCollection" || top.type == "Feature")
+        return kindOfFeatures(path, uri);
+    if (top.type == "Topology")
+        return cannotOpen(uri, "TopoJSON");
     if (has("asset"))
-        return InputKind::Model;
+        return Kind{InputKind::Model};
     if (has("root"))
         return Error{uri, "looks like a tileset, but has no \"asset\""};
     return Error{uri, "JSON, but neither a tileset (\"asset\" and \"root\"), a glTF model "
-                      "(\"asset\") nor a scene file (\"layers\")"};
+                      "(\"asset\"), features (GeoJSON, CityJSON) nor a scene file (\"layers\")"};
 }
 
-Result<InputKind> kindOfRaster(const std::string& path, const std::string& uri,
-                               const std::string& what) {
-    const Result<Raster> raster = Raster::open(path);
-    if (!raster)
-        return Error{uri, "looks like " + what + ", but " + raster.error().reason};
-    return InputKind::Terrain;
-}
-
-Result<InputKind> kindOfFile(const std::string& path, const std::string& uri) {
+Result<Kind> kindOfFile(const std::string& path, const std::string& uri) {
     std::ifstream file(path, std::ios::binary);
     if (!file)
         return Error{uri, std::strerror(errno)};
@@ -168,24 +215,38 @@ Result<InputKind> kindOfFile(const std::string& path, const std::string& uri) {
     if (head.empty())
         return Error{uri, "the file is empty"};
     if (head.starts_with("glTF") || head.starts_with("b3dm"))
-        return InputKind::Model;
-    for (const Magic& magic : kRefusedMagics)
-        if (head.starts_with(magic.bytes) && !magic.raster)
-            return cannotOpen(uri, magic.name);
-        else if (head.starts_with(magic.bytes))
+        return Kind{InputKind::Model};
+    if (path.ends_with(".terrain")) // a quantized mesh has no mark of its own
+        return Kind{InputKind::Terrain};
+    if (isUnstructuredFlood(path))
+        return Kind{InputKind::Water};
+    for (const Magic& magic : kMagics) {
+        if (!head.starts_with(magic.bytes))
+            continue;
+        if (magic.use == MagicUse::Raster)
             return kindOfRaster(path, uri, magic.name);
+        if (magic.use == MagicUse::Features)
+            return kindOfFeatures(path, uri);
+        return cannotOpen(uri, magic.name);
+    }
     std::string_view words = head;
     if (words.starts_with("\xef\xbb\xbf"))
         words.remove_prefix(3);
     const auto first = words.find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos || (words[first] != '{' && words[first] != '['))
-        return Raster::open(path) // some formats of heights are known by name and size only
-                   ? Result<InputKind>(InputKind::Terrain)
+    if (first == std::string_view::npos || (words[first] != '{' && words[first] != '[')) {
+        // Some rasters are known by name and size only.
+        const Result<RasterGuess> guess = guessRasterUse(path);
+        if (guess)
+            return kindOfRaster(path, uri, "a raster");
+        return path.ends_with(".csv")
+                   ? Error{uri, "a table, of which nothing tells what it holds; say buildings=, "
+                                "imagery= or stage= before its name"}
                    : Error{uri, "not a kind of file that is known here"};
+    }
     const Result<std::string> text = readTextFile(path, kMaxJsonBytes);
     if (!text)
         return Error{uri, text.error().reason};
-    return kindOfJson(*text, uri);
+    return kindOfJson(*text, path, uri);
 }
 
 // The one scene file, which tells more than the tileset beside it; else tileset.json. The other way
@@ -204,10 +265,13 @@ Result<std::string> findInFolder(const std::string& folder, std::optional<InputK
         return scenes.front();
     if (hasTileset)
         return tileset.string();
+    if (const fs::path layer = fs::path(folder) / "layer.json"; fs::is_regular_file(layer, ignored))
+        return layer.string();
     if (failed)
         return Error{folder, failed.message()};
     if (scenes.empty())
-        return Error{folder, "this folder holds neither a *.scene.json nor tileset.json"};
+        return Error{folder,
+                     "this folder holds neither a *.scene.json nor a tileset.json or layer.json"};
     std::sort(scenes.begin(), scenes.end());
     return Error{folder, "this folder holds several scene files (" + splitPath(scenes[0]).name +
                              ", " + splitPath(scenes[1]).name + "…); name one"};
@@ -229,44 +293,89 @@ Prefixed splitPrefix(const std::string& argument) {
     return {kind, argument.substr(equals + 1)};
 }
 
-Failure checkPrefix(const std::string& kind) {
-    static constexpr std::array kOpened = {"", "tileset", "model", "scene", "lamps", "terrain"};
-    static constexpr std::array kLater = {"imagery",   "depth", "stage",   "water",
-                                          "buildings", "trees", "barriers"};
-    if (std::find(kOpened.begin(), kOpened.end(), kind) != kOpened.end())
-        return {};
-    if (std::find(kLater.begin(), kLater.end(), kind) != kLater.end())
-        return Error{
-            kind + "=",
-            "this kind of input cannot be opened yet; tileset=, model=, terrain= and lamps= can",
-            ErrorKind::Usage};
-    return Error{
-        kind + "=",
-        "no such kind of input; there are tileset=, model=, terrain= and lamps=", ErrorKind::Usage};
+struct KindPrefix {
+    const char* word;
+    InputKind kind;
+    std::optional<WaterKind> waterKind = {};
+};
+constexpr std::array kPrefixes = {KindPrefix{"tileset", InputKind::Tileset},
+                                  KindPrefix{"model", InputKind::Model},
+                                  KindPrefix{"scene", InputKind::SceneFile},
+                                  KindPrefix{"terrain", InputKind::Terrain},
+                                  KindPrefix{"imagery", InputKind::Imagery},
+                                  KindPrefix{"water", InputKind::Water},
+                                  KindPrefix{"depth", InputKind::Water, WaterKind::Depth},
+                                  KindPrefix{"stage", InputKind::Water, WaterKind::Stage},
+                                  KindPrefix{"buildings", InputKind::Buildings},
+                                  KindPrefix{"trees", InputKind::Trees},
+                                  KindPrefix{"barriers", InputKind::Barriers},
+                                  KindPrefix{"lamps", InputKind::Lamps}};
+
+Result<const KindPrefix*> prefixNamed(const std::string& word) {
+    for (const KindPrefix& prefix : kPrefixes)
+        if (word == prefix.word)
+            return &prefix;
+    std::string all;
+    for (const KindPrefix& prefix : kPrefixes)
+        all += (all.empty() ? "" : ", ") + std::string(prefix.word) + "=";
+    return Error{word + "=", "no such kind of input; there are " + all, ErrorKind::Usage};
+}
+
+// Kinds that a format tells for sure.
+bool isSure(InputKind kind) {
+    return kind == InputKind::Tileset || kind == InputKind::Model || kind == InputKind::SceneFile;
+}
+
+// A file whose user says what it is for. A format that can only be something else is refused; what
+// is wrong besides is said when it is opened as that.
+Failure checkInsisted(const std::string& path, const std::string& uri, InputKind wanted) {
+    const Result<Kind> found = kindOfFile(path, path);
+    if (found ? (isSure(found->kind) || isSure(wanted)) && found->kind != wanted : isSure(wanted))
+        return found ? Error{uri, std::string("this is a ") + nameOf(found->kind) + ", not a " +
+                                      nameOf(wanted)}
+                     : found.error();
+    return {};
+}
+
+// "h_*.tif": files of one folder whose names the pattern fits, in the order of their names.
+std::vector<std::string> filesLike(const std::string& pattern) {
+    const SplitPath split = splitPath(pattern);
+    const auto star = split.name.find('*');
+    std::vector<std::string> found;
+    if (star == std::string::npos)
+        return found;
+    const std::string start = split.name.substr(0, star), end = split.name.substr(star + 1);
+    std::error_code failed;
+    for (fs::directory_iterator i(split.folder, failed), last; !failed && i != last;
+         i.increment(failed)) {
+        const std::string name = i->path().filename().string();
+        if (name.size() >= start.size() + end.size() && name.starts_with(start) &&
+            name.ends_with(end))
+            found.push_back(i->path().string());
+    }
+    std::sort(found.begin(), found.end());
+    return found;
 }
 
 } // namespace
 
 const char* nameOf(InputKind kind) {
-    switch (kind) {
-    case InputKind::Tileset:
-        return "tileset";
-    case InputKind::Model:
-        return "model";
-    case InputKind::SceneFile:
-        return "scene";
-    case InputKind::Lamps:
-        return "lamps";
-    case InputKind::Terrain:
-        return "terrain";
-    }
+    for (const KindPrefix& prefix : kPrefixes)
+        if (kind == prefix.kind)
+            return prefix.word;
     return "";
 }
 
 Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted) {
     const Prefixed prefixed = splitPrefix(argument);
-    if (Failure wrong = checkPrefix(prefixed.kind))
-        return *wrong;
+    std::optional<WaterKind> waterKind;
+    if (!prefixed.kind.empty()) {
+        const Result<const KindPrefix*> prefix = prefixNamed(prefixed.kind);
+        if (!prefix)
+            return prefix.error();
+        wanted = (*prefix)->kind;
+        waterKind = (*prefix)->waterKind;
+    }
     const std::string& uri = prefixed.path;
     if (uri.empty())
         return Error{argument.empty() ? "INPUT" : argument, "no path given", ErrorKind::Usage};
@@ -275,12 +384,18 @@ Result<Input> identifyInput(const std::string& argument, std::optional<InputKind
                      ErrorKind::Usage};
     std::error_code failed;
     const fs::file_status status = fs::status(uri, failed);
-    if (failed || status.type() == fs::file_type::not_found)
-        return Error{uri, failed ? failed.message() : "no such file or folder"};
+    if (failed || status.type() == fs::file_type::not_found) {
+        std::vector<std::string> files =
+            wanted == InputKind::Water ? filesLike(uri) : std::vector<std::string>();
+        if (files.empty())
+            return Error{uri, failed ? failed.message() : "no such file or folder"};
+        return Input{
+            uri, files.front(), InputKind::Water, {files.begin() + 1, files.end()}, waterKind, {}};
+    }
     std::string path = uri;
     if (fs::is_directory(status)) {
-        if (prefixed.kind == nameOf(InputKind::Tileset))
-            wanted = InputKind::Tileset;
+        if (wanted && !isSure(*wanted) && *wanted != InputKind::Terrain)
+            return Input{uri, path, *wanted, {}, waterKind, {}}; // a file each: see what opens it
         Result<std::string> found = findInFolder(uri, wanted);
         if (!found)
             return found.error();
@@ -291,14 +406,15 @@ Result<Input> identifyInput(const std::string& argument, std::optional<InputKind
     // A link the user names is followed; links inside the input's folder may not lead out of it.
     if (fs::is_symlink(path, failed))
         path = fs::canonical(path, failed).string();
-    if (prefixed.kind == "lamps") // GeoJSON may be anything: only the prefix tells
-        return Input{uri, path, InputKind::Lamps};
-    const Result<InputKind> kind = kindOfFile(path, path);
+    if (wanted) {
+        if (Failure wrong = checkInsisted(path, uri, *wanted))
+            return *wrong;
+        return Input{uri, path, *wanted, {}, waterKind, {}};
+    }
+    const Result<Kind> kind = kindOfFile(path, path);
     if (!kind)
         return kind.error();
-    if (!prefixed.kind.empty() && prefixed.kind != nameOf(*kind))
-        return Error{uri, std::string("this is a ") + nameOf(*kind) + ", not a " + prefixed.kind};
-    return Input{uri, path, *kind};
+    return Input{uri, path, kind->kind, {}, kind->waterKind, kind->guess};
 }
 
 Result<std::string> readTextFile(const std::string& path, std::size_t maxBytes) {

@@ -2,25 +2,43 @@
 #pragma once
 
 #include "geo/result.h"
+#include "streaming/flood/flood.h"
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace gnomon {
 
-enum class InputKind { Tileset, Model, SceneFile, Lamps, Terrain };
+enum class InputKind {
+    Tileset,
+    Model,
+    SceneFile,
+    Terrain,
+    Imagery,
+    Water,
+    Buildings,
+    Trees,
+    Barriers,
+    Lamps
+};
 
 struct Input {
     std::string uri;  // as the user wrote it, without KIND=
     std::string path; // of the file itself: for a folder, what was found in it
     InputKind kind = InputKind::Tileset;
+    std::vector<std::string> steps = {};     // of water: further files, one a step of time
+    std::optional<WaterKind> waterKind = {}; // as the user says, or as it was guessed
+    std::string guess =
+        {}; // what was taken for granted about its use, to be said; empty: nothing was
 };
 
 const char* nameOf(InputKind kind);
 
-// Takes PATH or KIND=PATH. Fails, naming what was found, for everything that cannot be opened. A
-// folder stands for its one scene file, else for its tileset.json; for that first when a tileset is
-// `wanted`, as a scene file's layers say.
+// Takes PATH or KIND=PATH, of water also a pattern (depth=h_*.tif) for one file a step. Fails,
+// naming what was found, for everything that cannot be opened. A folder stands for its one scene
+// file, else for its tileset.json; for that first when a tileset is `wanted`, as a scene file's
+// layers say.
 Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted = {});
 
 // The whole file, refused above `maxBytes`.

@@ -17,17 +17,33 @@ struct InspectedInput {
     TilesetFacts tileset;
     Inventory inventory;
     std::vector<Error> missing;
+    // What only some kinds have, by the names that the JSON gives them: cells, counts.
+    std::vector<std::pair<std::string, double>> numbers;
+    std::vector<std::string> steps;  // of water
+    std::vector<WaterTotals> totals; // of each step
+};
+
+// What is at one place, at one moment; metres above the ellipsoid. None: there is none.
+struct InspectedPlace {
+    std::optional<double> ground, waterLevel, depth, speed;
+    bool interpolated = false; // the water: between observed points
+    std::optional<BuildingFound> building;
 };
 
 struct Inspection {
     std::vector<InspectedInput> inputs;
     std::vector<Problem> problems;
+    std::optional<InspectedPlace> at;
     std::optional<ErrorKind> firstFailure;
 
     std::string json() const;
     std::string text() const;
 };
 
-Inspection inspect(const SceneOptions& options);
+struct InspectionOptions {
+    std::optional<glm::dvec2> at; // longitude, latitude
+    std::optional<UtcTime> time;  // then; else the last step of the water
+};
+Inspection inspect(const SceneOptions& options, const InspectionOptions& also = {});
 
 } // namespace gnomon

@@ -1,4 +1,5 @@
-// Lamps as people have them: GeoJSON points (RFC 7946).
+// Lamps as people have them: GeoJSON points (RFC 7946), or points of any file and coordinate
+// reference system that streaming/features/features.h reads.
 //
 //   [lon, lat] or [lon, lat, metres above the ellipsoid]
 //   "height"  metres above that place: of the lantern over its foot. 6 where the point has no
@@ -12,6 +13,7 @@
 #include "geo/ellipsoid.h"
 #include "geo/result.h"
 #include "shadows/lamp.h"
+#include "streaming/features/features.h"
 
 #include <cstddef>
 #include <string>
@@ -28,12 +30,17 @@ struct LampsFile {
         Lamp lamp; // but for position and facing
     };
     std::vector<Entry> entries;
-    std::size_t others = 0; // features that are no points
+    std::size_t others = 0;         // features that are no points
+    std::vector<std::string> notes; // what was taken for granted, and when not all can be lit
+    std::vector<Error> leftOut;     // a line for each that cannot be used
+    std::string crs;                // the file's, or the one given
 };
 
-// One line tells the first thing wrong and the feature it is in.
-Result<LampsFile> readLampsFile(const std::string& path);
+Result<LampsFile> readLampsFile(const std::string& path, const FeatureOptions& options = {});
+// GeoJSON in degrees. One line tells the first thing wrong and the feature it is in.
 Result<LampsFile> parseLampsFile(const std::string& text, const std::string& name);
+// Of features that are read already; `name` stands for their file in messages.
+LampsFile lampsOf(const FeatureFile& features, const std::string& name);
 
 // Feet without a height of their own stand `levelMetres` above the ellipsoid.
 Lamp placedLamp(const LampsFile::Entry& entry, double levelMetres);

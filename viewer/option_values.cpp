@@ -169,14 +169,14 @@ Failure parseShadows(const std::string& text, ShadowSettings& settings) {
     return wrong ? Failure(usage("--shadows", wrong->subject + " " + wrong->reason)) : Failure{};
 }
 
-Failure parseHeights(const std::string& text, Heights& heights) {
+Failure parseHeights(const std::string& text, std::optional<Heights>& heights) {
     if (text != "ellipsoidal" && text != "egm96")
         return usage("--heights", "\"" + text + "\" is neither ellipsoidal nor egm96");
     heights = text == "egm96" ? Heights::Egm96 : Heights::Ellipsoidal;
     return {};
 }
 
-Failure parseUp(const std::string& text, ModelUp& up) {
+Failure parseUp(const std::string& text, std::optional<ModelUp>& up) {
     if (text != "auto" && text != "y" && text != "z")
         return usage("--up", "\"" + text + "\" is not auto, y or z");
     up = text == "auto" ? ModelUp::Auto : text == "y" ? ModelUp::Y : ModelUp::Z;
@@ -191,6 +191,23 @@ Result<Placement> parsePlace(const std::string& text) {
     if (Failure wrong = checkPosition("--place", v[0], v[1], v[2]))
         return *wrong;
     return Placement{{wrapped(v[0]), v[1], v[2]}, v.size() == 4 ? v[3] : 0.0};
+}
+
+Result<Shard> parseShard(const std::string& text) {
+    constexpr std::int64_t kMostShards = 1'000'000;
+    const std::vector<std::string> parts = split(text, '/');
+    if (parts.size() != 2)
+        return usage("--shard", "\"" + text + "\" is not i/n");
+    const Result<std::int64_t> count = parseInteger("--shard", parts[1], 1, kMostShards);
+    if (!count)
+        return count.error();
+    const Result<std::int64_t> number = parseInteger("--shard", parts[0], 0, kMostShards);
+    if (!number)
+        return number.error();
+    if (*number < 1 || *number > *count)
+        return usage("--shard",
+                     "\"" + text + "\": they are numbered from 1 to " + std::to_string(*count));
+    return Shard{*number, *count};
 }
 
 Result<FrameRange> parseFrames(const std::string& text) {

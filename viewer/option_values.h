@@ -24,10 +24,11 @@ Failure parseSun(const std::string& text, PictureOptions& options);  // AZIMUTH,
 Failure parseGround(const std::string& text, PictureOptions& options);
 // "csm", or a whole technique: "csm+receiver-plane+pcss:16,32".
 Failure parseShadows(const std::string& text, ShadowSettings& settings);
-Failure parseHeights(const std::string& text, Heights& heights);
-Failure parseUp(const std::string& text, ModelUp& up);
+Failure parseHeights(const std::string& text, std::optional<Heights>& heights);
+Failure parseUp(const std::string& text, std::optional<ModelUp>& up);
 Result<Placement> parsePlace(const std::string& text);   // LON,LAT,H[,HEADING]
 Result<FrameRange> parseFrames(const std::string& text); // A, A-B or A-B:STEP
+Result<Shard> parseShard(const std::string& text);       // i/n
 Result<std::vector<Aov>> parseAovs(const std::string& text);
 Result<std::size_t> parseDemoSize(const std::string& text);
 Result<Geodetic> parseAt(const std::string& text); // LON,LAT[,H]

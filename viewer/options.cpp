@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -61,7 +62,8 @@ void addCapture(Command& command, CaptureOptions& capture) {
     addBenchScene(command, capture.picture);
     addPicture(command, capture.picture, kCaptureScreenSpaceError);
     command.app().add_flag_callback(
-        "--no-overlay", [] {}, "nothing is written over the picture; nor is it without");
+        "--no-overlay", [&capture] { capture.overlay = false; },
+        "leave away what is written over the picture: time, legends, scale, north, credits");
     command.option("--frames", "A-B[:STEP]", "which frames [all of the camera path]",
                    [&capture](const std::string& text) -> Failure {
                        const Result<FrameRange> range = parseFrames(text);
@@ -70,6 +72,19 @@ void addCapture(Command& command, CaptureOptions& capture) {
                        capture.frames = *range;
                        return {};
                    });
+    command.option(
+        "--shard", "i/n",
+        "of these frames the i-th and every n-th after it, i from 1 to n: a part of the work for "
+        "each of n machines ($SLURM_ARRAY_TASK_ID/8 in --array=1-8)",
+        [&capture](const std::string& text) -> Failure {
+            const Result<Shard> shard = parseShard(text);
+            if (!shard)
+                return shard.error();
+            capture.shard = *shard;
+            return {};
+        });
+    command.app().add_flag("--resume", capture.resume,
+                           "leave frames that are there whole and were drawn with these settings");
     command.number("--fps", "N", "frames a second [30]", 0.001, kHighestFramesPerSecond,
                    [&capture](double fps) { capture.framesPerSecond = fps; });
     command.number("--duration", "S", "seconds to capture [the camera path's own]", 0,
@@ -89,7 +104,27 @@ void addCapture(Command& command, CaptureOptions& capture) {
 void addInfo(Command& command, InfoOptions& info) {
     addScene(command, info.scene, true);
     command.app().add_flag("--json", info.json, "as JSON");
-    command.app().footer("Example:\n  gnomon info city/tileset.json --json");
+    command.option("--at", "LON,LAT", "also tells ground, water and building there",
+                   [&info](const std::string& text) -> Failure {
+                       const auto numbers = parseList("--at", text, 2, 2, "LON,LAT");
+                       if (!numbers)
+                           return numbers.error();
+                       if (std::abs((*numbers)[0]) > 360 || std::abs((*numbers)[1]) > 90)
+                           return Error{"--at", "is off the Earth", ErrorKind::Usage};
+                       info.at = glm::dvec2((*numbers)[0], (*numbers)[1]);
+                       return {};
+                   });
+    command.option("--time", "TIME", "the moment that --at asks for [the last step]",
+                   [&info](const std::string& text) -> Failure {
+                       const Result<UtcTime> moment = parseTime(text);
+                       if (!moment)
+                           return named("--time", moment.error());
+                       info.time = *moment;
+                       return {};
+                   });
+    command.app().footer("Examples:\n"
+                         "  gnomon info city/tileset.json --json\n"
+                         "  gnomon info terrain=dem.tif depth=flood.tif --at 6.96,50.94");
 }
 
 void addEvaluate(Command& command, EvaluateOptions& evaluate, std::optional<std::string>& list) {

@@ -32,8 +32,11 @@ struct PictureOptions {
     int widthPixels = 1280, heightPixels = 720;
     bool sizeGiven = false;                               // else a built-in scene may say
     std::variant<std::monostate, UtcTime, SunAngles> sun; // monostate: the scene's, or a fixed one
-    bool groundGiven = false;                             // else the scene file may say
-    double timeoutSeconds = 60.0;                         // a frame
+    std::optional<SunAngles>
+        fixedSun; // beside a time, which then moves only the flood and the like
+    std::optional<std::string> timeZone; // of --time; as in ZonedTime
+    bool groundGiven = false;            // else the scene file may say
+    double timeoutSeconds = 60.0;        // a frame
     std::optional<std::string> frameReport;
     bool verbose = false;
 };
@@ -49,6 +52,11 @@ struct FrameRange {
     std::int64_t first = 0, last = 0, step = 1;
 };
 
+// Of the frames asked for the number-th, and every count-th after it; numbers begin with 1.
+struct Shard {
+    std::int64_t number = 1, count = 1;
+};
+
 struct CaptureOptions {
     PictureOptions picture;
     std::string output;
@@ -56,12 +64,17 @@ struct CaptureOptions {
     double framesPerSecond = 30.0;
     std::optional<double> durationSeconds;
     std::vector<Aov> aovs;
+    bool overlay = true; // time, legends, scale and credits over the picture
+    std::optional<Shard> shard;
+    bool resume = false;       // frames that are there already, drawn with these settings, are left
     std::optional<int> device; // a GPU by its number, -1 for the software rasteriser
 };
 
 struct InfoOptions {
     SceneOptions scene;
     bool json = false;
+    std::optional<glm::dvec2> at; // longitude, latitude: also what is there
+    std::optional<UtcTime> time;  // then
 };
 
 struct DemoOptions {

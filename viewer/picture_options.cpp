@@ -22,20 +22,31 @@ void addCamera(Command& command, PictureOptions& picture) {
                        picture.sizeGiven = true;
                        return parseSize(text, picture.widthPixels, picture.heightPixels);
                    });
-    command.option("--time", "TIME",
-                   "moment that sets the sun: ISO 8601, with Z, an offset or a zone's name",
+    command.option(
+        "--time", "TIME",
+        "moment that sets the sun and the flood: ISO 8601, with Z, an offset or a zone's name",
+        [&picture](const std::string& text) -> Failure {
+            const Result<ZonedTime> moment = parseZonedTime(text);
+            if (!moment)
+                return named("--time", moment.error());
+            if (const SunAngles* angles = std::get_if<SunAngles>(&picture.sun))
+                picture.fixedSun = *angles;
+            picture.sun = moment->utc;
+            picture.timeZone = moment->zone;
+            return {};
+        });
+    command.option("--sun", "AZIMUTH,ELEVATION",
+                   "degrees, azimuth clockwise from north; with a time too, that moves the flood "
+                   "alone",
                    [&picture](const std::string& text) -> Failure {
-                       const Result<UtcTime> moment = parseTime(text);
-                       if (!moment)
-                           return named("--time", moment.error());
-                       picture.sun = *moment;
+                       const auto before = picture.sun;
+                       if (const Failure wrong = parseSun(text, picture))
+                           return wrong;
+                       if (std::holds_alternative<UtcTime>(before)) {
+                           picture.fixedSun = std::get<SunAngles>(picture.sun);
+                           picture.sun = before;
+                       }
                        return {};
-                   });
-    command.option("--sun", "AZIMUTH,ELEVATION", "degrees, azimuth clockwise from north",
-                   [&picture](const std::string& text) -> Failure {
-                       if (std::holds_alternative<UtcTime>(picture.sun))
-                           return Error{"--sun", "--time sets the sun already", ErrorKind::Usage};
-                       return parseSun(text, picture);
                    });
 }
 
@@ -105,14 +116,58 @@ void addShadows(Command& command, PictureOptions& picture) {
                    [&shadows](double degrees) { shadows.lightDiameterDegrees = degrees; });
 }
 
+// A value that one of the parsers of viewer/layer_facts.h understands.
+template <class T, class Parse>
+void addNamed(Command& command, const char* option, const char* value, const char* help,
+              std::optional<T>& into, const Parse& parse) {
+    command.option(option, value, help,
+                   [option, value, &into, parse](const std::string& text) -> Failure {
+                       into = parse(text);
+                       if (into)
+                           return {};
+                       return Error{option, "\"" + text + "\" is not " + value, ErrorKind::Usage};
+                   });
+}
+
+// What layers' own files lack; in a scene file each layer has its own.
+void addLayers(Command& command, SceneOptions& scene) {
+    constexpr double kHighest = 10000.0;
+    command.number("--height", "M", "of buildings, trees and barriers that have none of their own",
+                   0.01, kHighest, [&scene](double metres) { scene.heightMetres = metres; });
+    command.option("--variable", "NAME", "of a flood result that holds several",
+                   [&scene](const std::string& text) -> Failure {
+                       scene.variable = text;
+                       return {};
+                   });
+    command.option("--start", "TIME", "of the first step of water that tells no times",
+                   [&scene](const std::string& text) -> Failure {
+                       const Result<UtcTime> moment = parseTime(text);
+                       if (!moment)
+                           return named("--start", moment.error());
+                       scene.start = *moment;
+                       return {};
+                   });
+    addNamed(command, "--step", "1h, 15min, 300s", "between its steps", scene.stepSeconds,
+             durationSeconds);
+    command.number("--dry", "M", "water no deeper than this is not shown [0.01]", 0, 100,
+                   [&scene](double metres) { scene.dryMetres = metres; });
+    addNamed(command, "--water", "depth, speed or natural", "how water looks [depth]", scene.colors,
+             waterColorsNamed);
+    command.number("--water-most", "M", "depth or speed of the last colour [from the data]", 1e-6,
+                   1e6, [&scene](double most) { scene.most = most; });
+    addNamed(command, "--terrain", "plain, ramp or ramp-unlit", "how terrain looks [plain]",
+             scene.look, terrainLookNamed);
+}
+
 } // namespace
 
 void addScene(Command& command, SceneOptions& scene, bool required) {
     CLI::Option* inputs = command.app().add_option(
         "INPUT", scene.inputs,
-        "tileset.json, a scene file, a folder with either, a model (glb, gltf, b3dm) or a raster "
-        "of "
-        "heights (GeoTIFF, ASC); KIND=PATH (tileset=, model=, terrain=) insists on a kind");
+        "tileset.json, a scene file, a folder with either, a model (glb, gltf, b3dm), a raster "
+        "(GeoTIFF, ASC, NetCDF), footprints (GeoJSON, GeoPackage, Shapefile, CityJSON), terrain "
+        "(layer.json) or a flood result; KIND=PATH insists on a kind: terrain=, imagery=, depth=, "
+        "stage=, buildings=, trees=, barriers=, lamps=, tileset=, model=");
     inputs->type_name("")->option_text("...")->expected(required ? 1 : 0, 1 << 16);
     if (required)
         inputs->required();
@@ -140,6 +195,12 @@ void addScene(Command& command, SceneOptions& scene, bool required) {
                    [&scene](double metres) { scene.raiseMetres = metres; });
     command.option("--up", "AXIS", "y, z or auto: which of its axes is up [auto]",
                    [&scene](const std::string& text) { return parseUp(text, scene.up); });
+    command.option("--data", "DIR", "where the files of a scene are that do not lie beside it",
+                   [&scene](const std::string& text) -> Failure {
+                       scene.dataFolder = text;
+                       return {};
+                   });
+    addLayers(command, scene);
     // A tile is held decoded and, about as large, on the GPU: half of the memory for each.
     const auto halfOf = [](std::int64_t mb) { return std::size_t(mb) << 19; };
     scene.loader.memoryBytes = halfOf(1024);
@@ -164,7 +225,11 @@ void addPicture(Command& command, PictureOptions& picture, double screenSpaceErr
     addShadows(command, picture);
     command.option("--ground", "GROUND",
                    "flat ground: auto, none or its height above the ellipsoid in metres [auto]",
-                   [&picture](const std::string& text) { return parseGround(text, picture); });
+                   [&picture](const std::string& text) {
+                       const Failure wrong = parseGround(text, picture);
+                       picture.scene.groundMetres = picture.frame.groundHeightMetres;
+                       return wrong;
+                   });
     command.number("--sse", "PIXELS",
                    "error a tile may show before it is refined [" +
                        std::to_string(int(screenSpaceError)) + "]",

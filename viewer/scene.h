@@ -11,8 +11,10 @@
 #include "streaming/loader.h"
 #include "streaming/source.h"
 #include "streaming/terrain/terrain.h"
+#include "viewer/layer_facts.h"
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,23 +22,18 @@
 
 namespace gnomon {
 
-// Puts what has a frame of its own on the Earth: origin, and the heading its y axis points to.
-struct Placement {
-    Geodetic origin;
-    double headingDegrees = 0.0;
-};
+// Long work while a scene is opened: which input, and how much of it is done, 0…1.
+using SceneProgress = std::function<void(const std::string& uri, double share)>;
 
-enum class ModelUp { Auto, Y, Z }; // Auto: from the geometry's own area vector, else Z
-
-struct SceneOptions {
+struct SceneOptions : LayerFacts { // of all inputs that lack the fact
     std::vector<std::string> inputs;
-    std::optional<std::string> crs;
-    Heights heights = Heights::Ellipsoidal;
-    std::optional<Placement> placement;
-    ModelUp up = ModelUp::Auto;
-    double raiseMetres = 0.0;
+    // Where flat ground was asked for: what things stand on where no terrain is.
+    std::optional<double> groundMetres;
+    // Where the files of a scene are looked for that do not lie beside it.
+    std::optional<std::string> dataFolder;
     bool unplaced = false; // to look at, not to draw: what has no place stays in its own frame
     LoaderOptions loader;
+    SceneProgress progress; // may be null
 };
 
 struct Problem {
@@ -67,8 +64,6 @@ struct Layer {
     std::shared_ptr<const Buildings> buildings;
 };
 
-// How water looks.
-enum class WaterColors { Depth, Speed, Natural };
 struct WaterLook {
     WaterColors colors = WaterColors::Depth;
     std::optional<double> most; // metres or m/s of the last colour; else from the data
@@ -80,7 +75,9 @@ struct WaterLayer {
     std::string kind; // "depth" or "stage"
     std::shared_ptr<const WaterSurface> surface;
     WaterLook look;
-    double startSeconds = 0.0; // UTC of the data's 0 where its steps are not absolute
+    // UTC of the data's 0 where its steps are not absolute: then the scene's own time, if it has
+    // one.
+    double startSeconds = 0.0;
     // In the data's own reckoning; the last step when no time is known.
     double secondsAt(std::optional<UtcTime> time) const;
 };
@@ -115,9 +112,14 @@ struct Scene {
     // was given. Null when nothing is known.
     std::shared_ptr<const GroundHeights> groundHeights;
     std::vector<std::string> credits; // to be shown, each once
+    struct Painted {
+        std::string uri;
+        std::shared_ptr<const Drape> drape;
+    };
+    std::vector<Painted> imagery; // on all terrain, the last on top
     // From a scene file, or of a scene made by code:
     std::optional<UtcTime> time;
-    std::optional<std::string> timeZone; // by name, as in "Europe/Berlin"
+    std::optional<std::string> timeZone; // its time was told by; as in ZonedTime
     std::optional<SunAngles> sun;        // when no time is known
     std::optional<SceneCamera> camera;
     std::optional<GroundChoice> ground;

@@ -57,7 +57,7 @@ std::optional<Placement> readPlacement(const Json& list) {
     return place;
 }
 
-void readPlacing(const Json& object, FieldReader& read, LayerDescription& layer) {
+void readPlacing(const Json& object, FieldReader& read, LayerFacts& layer) {
     layer.crs = read.optionalText("crs");
     layer.raiseMetres = read.optionalNumber("raise", -kMaxHeightMetres, kMaxHeightMetres);
     if (const auto heights = read.optionalText("heights")) {
@@ -88,47 +88,141 @@ void warnOfOthers(const std::vector<std::string>& keys, const std::string& where
             {Problem::Severity::Warning, where, "\"" + key + "\" is not known, so it is ignored"});
 }
 
-constexpr std::array kLaterKinds = {"terrain", "imagery",   "depth", "stage",
-                                    "water",   "buildings", "trees", "barriers"};
+// A text that one of the parsers of viewer/layer_facts.h understands.
+template <class T, class Parse>
+void readNamed(FieldReader& read, const char* key, std::optional<T>& into, const Parse& parse,
+               const char* choices) {
+    const auto text = read.optionalText(key);
+    if (!text)
+        return;
+    into = parse(*text);
+    if (!into)
+        read.fail(std::string("\"") + key + "\" must be " + choices);
+}
 
-// Empty when the layer is of a kind that cannot be opened yet, which is then among the problems.
-Result<std::optional<LayerDescription>> readLayer(const Json& object, const std::string& folder,
-                                                  const std::string& name, std::size_t number,
-                                                  std::vector<Problem>& problems) {
+void readMoment(FieldReader& read, const char* key, std::optional<UtcTime>& into) {
+    const auto text = read.optionalText(key);
+    if (!text)
+        return;
+    const Result<UtcTime> moment = parseTime(*text);
+    if (moment)
+        into = *moment;
+    else
+        read.fail(std::string("\"") + key + "\": " + moment.error().message());
+}
+
+void readLook(FieldReader& read, LayerFacts& layer) {
+    constexpr double kHighest = 10000.0;
+    layer.heightMetres = read.optionalNumber("height", 0, kHighest);
+    layer.widthMetres = read.optionalNumber("width", 0, kHighest);
+    layer.heightAttribute = read.optionalText("height-attribute");
+    readMoment(read, "from", layer.from);
+    readMoment(read, "until", layer.until);
+    layer.variable = read.optionalText("variable");
+    readNamed(read, "kind", layer.waterKind, waterKindNamed, "depth or stage");
+    readMoment(read, "start", layer.start);
+    readNamed(read, "step", layer.stepSeconds, durationSeconds, "a time as in 1h, 15min or 300s");
+    layer.dryMetres = read.optionalNumber("dry", 0, 100);
+    readNamed(read, "colors", layer.colors, waterColorsNamed, "depth, speed or natural");
+    layer.most = read.optionalNumber("most", 1e-6, 1e6);
+    readNamed(read, "look", layer.look, terrainLookNamed, "plain, ramp or ramp-unlit");
+    layer.hole = read.optionalText("hole");
+    readNamed(read, "color", layer.color, colorNamed, "as in #5a5a60");
+}
+
+struct LayerKey {
+    const char* key;
+    InputKind kind;
+};
+constexpr std::array kLayerKeys = {
+    LayerKey{"tileset", InputKind::Tileset}, LayerKey{"model", InputKind::Model},
+    LayerKey{"terrain", InputKind::Terrain}, LayerKey{"imagery", InputKind::Imagery},
+    LayerKey{"water", InputKind::Water},     LayerKey{"depth", InputKind::Water},
+    LayerKey{"stage", InputKind::Water},     LayerKey{"buildings", InputKind::Buildings},
+    LayerKey{"trees", InputKind::Trees},     LayerKey{"barriers", InputKind::Barriers},
+    LayerKey{"lamps", InputKind::Lamps}};
+
+// The layer's file, or its files, one a step of time.
+std::vector<std::string> readPaths(const Json& value, const LayerKey& key, FieldReader& read) {
+    std::vector<std::string> paths;
+    if (value.is_string())
+        paths.push_back(value.get<std::string>());
+    else if (value.is_array() && key.kind == InputKind::Water)
+        for (const Json& path : value)
+            if (path.is_string())
+                paths.push_back(path.get<std::string>());
+    if (paths.empty() || (value.is_array() && paths.size() != value.size()))
+        read.fail(std::string("\"") + key.key +
+                  (key.kind == InputKind::Water ? "\" must be a path, or a list of them"
+                                                : "\" must be a path"));
+    return paths;
+}
+
+// Where the files that a scene names are.
+struct Folders {
+    std::string beside; // the scene file's own
+    std::optional<std::string> data;
+
+    std::string find(const std::string& path) const {
+        if (path.starts_with("http://") || path.starts_with("https://"))
+            return path;
+        const std::filesystem::path here = std::filesystem::path(beside) / path;
+        std::error_code ignored;
+        if (!data || std::filesystem::exists(here, ignored))
+            return here.string();
+        return (std::filesystem::path(*data) / path).string();
+    }
+};
+
+Result<LayerDescription> readLayer(const Json& object, const Folders& folders,
+                                   const std::string& name, std::size_t number,
+                                   std::vector<Problem>& problems) {
     const std::string where = "layer " + std::to_string(number);
     FieldReader read(object, name, where);
     if (read.failure())
         return *read.failure();
-    for (const char* later : kLaterKinds)
-        if (object.contains(later)) {
-            problems.push_back({Problem::Severity::Error, name + ": " + where,
-                                std::string("layers of the kind \"") + later +
-                                    "\" cannot be opened yet; it is left out"});
-            return std::optional<LayerDescription>();
+    const LayerKey* named = nullptr;
+    bool once = true;
+    for (const LayerKey& key : kLayerKeys)
+        if (object.contains(key.key)) {
+            once = named == nullptr;
+            named = &key;
         }
+    if (named == nullptr || !once) {
+        read.fail("needs one of \"tileset\", \"model\", \"terrain\", \"imagery\", \"water\", "
+                  "\"buildings\", \"trees\", \"barriers\" and \"lamps\"");
+        return *read.failure();
+    }
     LayerDescription layer;
-    const auto tileset = read.optionalText("tileset");
-    const auto model = read.optionalText("model");
-    const auto lamps = read.optionalText("lamps");
-    if (tileset.has_value() + model.has_value() + lamps.has_value() != 1)
-        read.fail("needs one of \"tileset\", \"model\" and \"lamps\"");
     readPlacing(object, read, layer);
+    readLook(read, layer);
+    std::vector<std::string> paths = readPaths(object.at(named->key), *named, read);
     if (read.failure())
         return *read.failure();
     warnOfOthers(
-        read.others({"tileset", "model", "lamps", "crs", "heights", "place", "up", "raise"}),
+        read.others(
+            {named->key,         "crs",  "heights", "place",    "up",   "raise", "height", "width",
+             "height-attribute", "from", "until",   "variable", "kind", "start", "step",   "dry",
+             "colors",           "most", "look",    "hole",     "color"}),
         name + ": " + where, problems);
-    layer.kind = tileset ? InputKind::Tileset : model ? InputKind::Model : InputKind::Lamps;
-    layer.uri = tileset ? *tileset : model ? *model : *lamps;
-    const bool remote = layer.uri.starts_with("http://") || layer.uri.starts_with("https://");
-    layer.path = remote ? layer.uri : (std::filesystem::path(folder) / layer.uri).string();
-    return std::optional(layer);
+    if (layer.hole)
+        layer.hole = folders.find(*layer.hole);
+    layer.kind = named->kind;
+    if (!layer.waterKind)
+        layer.waterKind = waterKindNamed(named->key);
+    layer.uri = paths.front();
+    for (std::string& path : paths)
+        path = folders.find(path);
+    layer.path = paths.front();
+    layer.steps.assign(paths.begin() + 1, paths.end());
+    return layer;
 }
 
 } // namespace
 
 Result<SceneFile> parseSceneFile(const std::string& text, const std::string& folder,
-                                 const std::string& name) {
+                                 const std::string& name,
+                                 const std::optional<std::string>& dataFolder) {
     const Result<Json> json = parseJson(text, name);
     if (!json)
         return json.error();
@@ -141,17 +235,17 @@ Result<SceneFile> parseSceneFile(const std::string& text, const std::string& fol
     warnOfOthers(read.others({"layers", "time", "camera", "ground"}), name, scene.problems);
     std::size_t number = 0;
     for (const Json& object : json->at("layers")) {
-        auto layer = readLayer(object, folder, name, ++number, scene.problems);
+        auto layer = readLayer(object, {folder, dataFolder}, name, ++number, scene.problems);
         if (!layer)
             return layer.error();
-        if (*layer)
-            scene.layers.push_back(std::move(**layer));
+        scene.layers.push_back(std::move(*layer));
     }
     if (const auto time = read.optionalText("time")) {
-        const Result<UtcTime> utc = parseTime(*time);
-        if (!utc)
-            return Error{name, "\"time\": " + utc.error().message()};
-        scene.time = *utc;
+        const Result<ZonedTime> moment = parseZonedTime(*time);
+        if (!moment)
+            return Error{name, "\"time\": " + moment.error().message()};
+        scene.time = moment->utc;
+        scene.timeZone = moment->zone;
     }
     if (read.failure())
         return *read.failure();
@@ -169,11 +263,12 @@ Result<SceneFile> parseSceneFile(const std::string& text, const std::string& fol
     return scene;
 }
 
-Result<SceneFile> readSceneFile(const std::string& path) {
+Result<SceneFile> readSceneFile(const std::string& path,
+                                const std::optional<std::string>& dataFolder) {
     const Result<std::string> text = readTextFile(path, kMaxBytes);
     if (!text)
         return text.error();
-    return parseSceneFile(*text, splitPath(path).folder, path);
+    return parseSceneFile(*text, splitPath(path).folder, path, dataFolder);
 }
 
 } // namespace gnomon

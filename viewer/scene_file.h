@@ -7,28 +7,28 @@
 
 namespace gnomon {
 
-struct LayerDescription {
-    std::string uri;               // as written, for messages
-    std::string path;              // to open
-    std::optional<InputKind> kind; // as the scene file says it
-    std::optional<std::string> crs;
-    std::optional<Heights> heights;
-    std::optional<Placement> placement;
-    std::optional<ModelUp> up;
-    std::optional<double> raiseMetres;
+struct LayerDescription : LayerFacts {
+    std::string uri;                // as written, for messages
+    std::string path;               // to open
+    std::vector<std::string> steps; // further files, one a step of time
+    InputKind kind = InputKind::Tileset;
 };
 
 struct SceneFile {
     std::vector<LayerDescription> layers;
     std::optional<UtcTime> time;
+    std::optional<std::string> timeZone; // as in ZonedTime
     std::optional<SceneCamera> camera;
     std::optional<GroundChoice> ground;
-    std::vector<Problem> problems; // layers of a kind that cannot be opened
+    std::vector<Problem> problems; // what was ignored
 };
 
-Result<SceneFile> readSceneFile(const std::string& path);
+// What does not lie beside the scene file is looked for in `dataFolder`.
+Result<SceneFile> readSceneFile(const std::string& path,
+                                const std::optional<std::string>& dataFolder = {});
 // `folder` is where relative paths start; `name` is for messages.
 Result<SceneFile> parseSceneFile(const std::string& text, const std::string& folder,
-                                 const std::string& name);
+                                 const std::string& name,
+                                 const std::optional<std::string>& dataFolder = {});
 
 } // namespace gnomon

@@ -5,15 +5,6 @@
 
 namespace gnomon {
 
-// What the user says about an input that does not say it itself.
-struct PlacingOptions {
-    std::optional<std::string> crs;
-    Heights heights = Heights::Ellipsoidal;
-    std::optional<Placement> placement;
-    ModelUp up = ModelUp::Auto;
-    double raiseMetres = 0.0;
-};
-
 // Near the Earth's surface, or around the whole Earth.
 bool standsOnEarth(const BoundingVolume& volume);
 

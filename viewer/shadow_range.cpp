@@ -30,18 +30,21 @@ double cosineOfCorner(const Camera& camera) {
 
 ShadowReach shadowReach(const Scene& scene, const Camera& camera, const SunPosition& sun,
                         std::span<const render::DrawItem> items, const ShadowSettings& settings,
-                        const View& cameraView) {
+                        const View& cameraView, std::span<const OrientedBox> waters) {
     double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
-    for (const render::DrawItem& item : items) {
-        const BoundingVolume box(item.mesh->box);
+    const auto add = [&](const BoundingVolume& box) {
         if (classify(box, cameraView.planes) == Containment::Outside)
-            continue;
+            return;
         const double depth = extentAlong(box, camera.position, camera.forward).max;
         if (depth <= 0.0)
-            continue;
+            return;
         nearest = std::min(nearest, distanceTo(box, camera.position));
         farthest = std::max(farthest, depth);
-    }
+    };
+    for (const render::DrawItem& item : items)
+        add(item.mesh->box);
+    for (const OrientedBox& water : waters)
+        add(water);
     ShadowReach reach;
     if (farthest <= 0.0)
         return reach; // nothing is seen: anything will do

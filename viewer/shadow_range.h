@@ -22,7 +22,7 @@ struct ShadowReach {
 
 ShadowReach shadowReach(const Scene& scene, const Camera& camera, const SunPosition& sun,
                         std::span<const render::DrawItem> items, const ShadowSettings& settings,
-                        const View& cameraView);
+                        const View& cameraView, std::span<const OrientedBox> waters = {});
 
 // The highest and the sunward end of all that casts.
 CasterBound casterBound(const Scene& scene, const SunPosition& sun,

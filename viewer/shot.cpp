@@ -2,6 +2,7 @@
 
 #include "bench/scenes.h"
 #include "viewer/fit_camera.h"
+#include "viewer/progress.h"
 
 namespace gnomon {
 
@@ -45,14 +46,19 @@ Shot Shots::at(double seconds, const Scene& scene) const {
     }
     shot.camera.widthPixels = options_.widthPixels;
     shot.camera.heightPixels = options_.heightPixels;
-    const SunAngles* angles = std::get_if<SunAngles>(&options_.sun);
     if (!shot.time) {
-        if (const UtcTime* given = std::get_if<UtcTime>(&options_.sun))
-            shot.time = *given;
-        else if (!angles)
-            shot.time = scene.time;
+        const UtcTime* given = std::get_if<UtcTime>(&options_.sun);
+        shot.time = given ? std::optional(*given) : scene.time;
     }
-    if (shot.time) {
+    shot.timeZone = options_.timeZone;
+    if (!shot.timeZone && path_)
+        shot.timeZone = path_->timeZone();
+    if (!shot.timeZone)
+        shot.timeZone = scene.timeZone;
+    const SunAngles* angles = std::get_if<SunAngles>(&options_.sun);
+    if (options_.fixedSun)
+        angles = &*options_.fixedSun;
+    if (shot.time && !angles) {
         shot.sun = sunAt(*shot.time, scene.anchor);
     } else {
         const SunAngles sun = angles ? *angles : scene.sun.value_or(kDefaultSun);
@@ -71,8 +77,16 @@ double Shots::lengthSeconds() const {
 }
 
 Result<Scene> openAsked(const PictureOptions& options) {
-    if (!options.benchScene)
-        return openScene(options.scene);
+    if (!options.benchScene) {
+        ProgressBar bar("opening");
+        SceneOptions asked = options.scene;
+        asked.progress = [&](const std::string&, double share) {
+            bar.update(std::size_t(100.0 * share), 100);
+        };
+        Result<Scene> scene = openScene(asked);
+        bar.finish();
+        return scene;
+    }
     const auto place =
         options.scene.placement ? options.scene.placement->origin : bench::kDefaultPlace;
     Result<bench::BenchScene> scene = bench::openBenchScene(*options.benchScene, place);

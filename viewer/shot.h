@@ -13,7 +13,8 @@ inline constexpr SunAngles kDefaultSun{225.0, 40.0};
 struct Shot {
     Camera camera;
     SunPosition sun;
-    std::optional<UtcTime> time; // that set the sun
+    std::optional<UtcTime> time; // of what stands and flows, and of the sun unless --sun said
+    std::optional<std::string> timeZone; // to tell it by; as in ZonedTime
 };
 
 // The camera and the sun over time. Reads the camera path, if one is asked for.
@@ -21,8 +22,9 @@ class Shots {
   public:
     static Result<Shots> create(const PictureOptions& options);
 
-    // At `seconds` after the start. A keyframe's time wins over --time and --sun, these over the
-    // scene file's, that over the default sun.
+    // At `seconds` after the start. A keyframe's time wins over --time, that over the scene file's.
+    // --sun wins over what any time says of the sun; without either it is the scene's or the
+    // default. The zone of --time wins over those of the keyframes.
     Shot at(double seconds, const Scene& scene) const;
     bool usesDefaultSun(const Scene& scene) const;
     bool moves() const { return path_.has_value(); }

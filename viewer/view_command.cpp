@@ -5,6 +5,7 @@
 #include "viewer/image_file.h"
 #include "viewer/messages.h"
 #include "viewer/orbit.h"
+#include "viewer/overlay_facts.h"
 #include "viewer/shot.h"
 #include "viewer/stop_signal.h"
 #include "viewer/window.h"
@@ -90,8 +91,23 @@ class Viewer {
                 break;
         }
         if (options_.screenshot)
-            return writeImage(renderer_->picture(), ImageFormat::Png, *options_.screenshot);
+            return writeScreenshot(*options_.screenshot);
         return {};
+    }
+
+    Failure writeScreenshot(const std::string& path) {
+        Picture picture = renderer_->picture();
+        const auto overlay = Overlay::create();
+        if (overlay) {
+            OverlayFacts facts = overlayFactsOf(*scene_);
+            shot_.camera = orbit_->camera();
+            setMoment(facts, *scene_, shot_, renderer_->groundHeightMetres());
+            for (const std::string& name : (*overlay)->draw(picture, facts))
+                sayWarning("overlay", "the picture has no room for " + name);
+        } else {
+            sayWarning("overlay", overlay.error().message() + ": nothing is written over pictures");
+        }
+        return writeImage(picture, ImageFormat::Png, path);
     }
 
     // True when the view changed.

@@ -1,5 +1,9 @@
 // Barriers: walls, dykes and sandbags along lines, or raised areas, which may stand from a time on,
 // or until one.
+//
+// A crest follows the ground at a height above it, or lies at a level, or where the vertices are;
+// the solids are closed and reach into the ground. Without ground heights they stand on the
+// ellipsoid.
 #pragma once
 
 #include "geo/time.h"
@@ -27,6 +31,10 @@ struct Barriers {
     FeatureFile file; // without its features
     static Result<Barriers> open(const std::string& path, const BarrierOptions& options,
                                  const std::shared_ptr<const GroundHeights>& ground);
+    // Of features that are read already; `name` stands for their file in messages.
+    static Result<Barriers> of(FeatureFile file, const std::string& name,
+                               const BarrierOptions& options,
+                               const std::shared_ptr<const GroundHeights>& ground);
 };
 
 } // namespace gnomon

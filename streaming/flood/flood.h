@@ -29,10 +29,14 @@ struct FloodGeometry {
     // ground is the bed. NaN where there is no data.
     std::vector<float> bed;
     std::vector<float> cellArea; // square metres that a node stands for
-    // Counter-clockwise seen from above; between neighbouring nodes.
+    // Counter-clockwise seen from above; between neighbouring nodes. Empty for a grid.
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    int columns = 0, rows = 0; // of a regular grid: node = row * columns + column; else 0
+    // Of a grid: node = row * columns + column, two triangles between each four, and the rim's nodes
+    // stand for the whole of their cells, half a cell further out than they lie. Else 0.
+    int columns = 0, rows = 0;
 };
+
+class GroundHeights;
 
 class FloodData {
   public:
@@ -47,7 +51,11 @@ class FloodData {
     virtual bool hasVelocity() const { return false; }
     virtual Result<std::vector<glm::vec2>> velocities(std::size_t step) const; // m/s, east, north
     virtual bool isInterpolated() const { return false; } // between a few points, no model's result
+    // Where the water is, of data that tells only how high it is: the same made out for this
+    // ground. Null for results that know it themselves.
+    virtual Result<std::shared_ptr<const FloodData>> on(const GroundHeights& ground) const;
 
+    std::string path;               // the first of its files; may be empty
     std::string crs;                // the file's, or the one given
     std::vector<std::string> notes; // what was taken for granted
     std::vector<std::string> credits;

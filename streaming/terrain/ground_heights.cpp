@@ -53,6 +53,36 @@ class StackedGround : public GroundHeights {
     std::vector<std::shared_ptr<const GroundHeights>> grounds_;
 };
 
+class GroundWithin : public GroundHeights {
+  public:
+    GroundWithin(std::shared_ptr<const GroundHeights> ground,
+                 std::vector<std::vector<glm::dvec2>> rings)
+        : ground_(std::move(ground)), rings_(std::move(rings)) {}
+
+    void sample(std::span<const glm::dvec2> lonLat, std::span<double> heights) const override {
+        ground_->sample(lonLat, heights);
+        for (std::size_t i = 0; i < lonLat.size(); ++i)
+            if (!contains(lonLat[i]))
+                heights[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+
+  private:
+    // Sides that a ray to the east crosses: odd inside.
+    bool contains(glm::dvec2 p) const {
+        bool inside = false;
+        for (const std::vector<glm::dvec2>& ring : rings_)
+            for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+                const glm::dvec2 a = ring[j], b = ring[i];
+                if ((a.y > p.y) != (b.y > p.y) &&
+                    p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x))
+                    inside = !inside;
+            }
+        return inside;
+    }
+    std::shared_ptr<const GroundHeights> ground_;
+    std::vector<std::vector<glm::dvec2>> rings_;
+};
+
 } // namespace
 
 double GroundHeights::at(glm::dvec2 lonLat) const {
@@ -63,6 +93,11 @@ double GroundHeights::at(glm::dvec2 lonLat) const {
 
 std::shared_ptr<const GroundHeights> flatGround(double heightMetres) {
     return std::make_shared<FlatGround>(heightMetres);
+}
+
+std::shared_ptr<const GroundHeights> groundWithin(std::shared_ptr<const GroundHeights> ground,
+                                                  std::vector<std::vector<glm::dvec2>> rings) {
+    return std::make_shared<GroundWithin>(std::move(ground), std::move(rings));
 }
 
 std::shared_ptr<const GroundHeights>

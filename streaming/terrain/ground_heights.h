@@ -26,4 +26,8 @@ std::shared_ptr<const GroundHeights> flatGround(double heightMetres);
 std::shared_ptr<const GroundHeights>
 stackedGround(std::vector<std::shared_ptr<const GroundHeights>> grounds);
 
+// `ground` inside the rings (degrees; even-odd, so holes are rings too), none outside.
+std::shared_ptr<const GroundHeights> groundWithin(std::shared_ptr<const GroundHeights> ground,
+                                                  std::vector<std::vector<glm::dvec2>> rings);
+
 } // namespace gnomon

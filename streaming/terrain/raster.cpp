@@ -1,207 +1,248 @@
 #include "streaming/terrain/raster.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
+#include "streaming/terrain/gdal_quiet.h"
+#include "streaming/terrain/raster_file.h"
+
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <span>
 
 namespace gnomon {
 
 namespace {
 
-// What holds heights in one file. Left out are formats that lead on to other files or to a network
-// (VRT, WMS and the like), whatever the user named.
-constexpr std::array kDrivers = {"GTiff",   "AAIGrid", "netCDF",
-                                 "SRTMHGT", "USGSDEM", "DTED",
-                                 "HFA",     "EHdr",    static_cast<const char*>(nullptr)};
+// No ground is as high or deep as this: files that name no value for "no data" hold such numbers
+// (3.4e38, say).
+constexpr double kLargestValue = 1e6;
 
-// While it lives, GDAL says nothing on this thread; its first error is kept.
-class Quiet {
-  public:
-    Quiet() { CPLPushErrorHandlerEx(&Quiet::take, &said_); }
-    ~Quiet() { CPLPopErrorHandler(); }
-    Quiet(const Quiet&) = delete;
-    Quiet& operator=(const Quiet&) = delete;
-
-    std::string reason() const {
-        constexpr std::size_t kLongest = 300;
-        std::string line;
-        for (const char c : said_.substr(0, kLongest))
-            line += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-        return line.empty() ? "GDAL gives no reason" : line;
-    }
-
-  private:
-    static void take(CPLErr severity, CPLErrorNum, const char* text) {
-        auto& said = *static_cast<std::string*>(CPLGetErrorHandlerUserData());
-        if (severity >= CE_Failure && said.empty() && text != nullptr)
-            said = text;
-    }
-    std::string said_;
+struct Reading {
+    std::optional<double> noData;
+    double scale = 1.0, offset = 0.0;
 };
 
-void registerDrivers() {
-    static std::once_flag once;
-    std::call_once(once, [] { GDALAllRegister(); });
+// What is no number, no data, or out of the world becomes NaN.
+template <class T>
+void toMetres(std::span<const T> values, const Reading& reading, float* out) {
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    // A file of floats holds its no data value rounded to float (-3.4028235e38).
+    const double none = reading.noData.value_or(std::numeric_limits<double>::infinity());
+    const double slack =
+        std::isfinite(none) ? std::abs(none) * double(std::numeric_limits<float>::epsilon()) : 0.0;
+    const T low = T(std::max(none - slack, double(std::numeric_limits<T>::lowest())));
+    const T high = T(std::min(none + slack, double(std::numeric_limits<T>::max())));
+    const bool any = std::isfinite(none);
+    const T scale = T(reading.scale), offset = T(reading.offset);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const T v = values[i];
+        const T metres = v * scale + offset;
+        const bool missing =
+            !(std::abs(metres) <= T(kLargestValue)) || (any && v >= low && v <= high);
+        out[i] = missing ? kNaN : float(metres);
+    }
 }
 
-bool allFinite(std::span<const double> values) {
-    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-}
-
-// Metres in the unit a band names; none for a unit that is no length.
-std::optional<double> metresPerUnit(std::string unit) {
-    std::transform(unit.begin(), unit.end(), unit.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    if (unit.empty() || unit == "m" || unit.starts_with("met"))
-        return 1.0;
-    if (unit == "us-ft" || unit.find("survey foot") != std::string::npos)
-        return 1200.0 / 3937.0;
-    if (unit == "ft" || unit == "foot" || unit == "feet")
-        return 0.3048;
-    if (unit == "cm")
-        return 0.01;
-    return std::nullopt;
+bool fitsFloat(GDALDataType type) {
+    return type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16 || type == GDT_Float32;
 }
 
 } // namespace
 
+// One GDAL dataset serves one thread at a time: there are as many as threads that read at once.
 struct Raster::State {
-    std::string path;
-    std::unique_ptr<GDALDataset> data;
-    GDALRasterBand* band = nullptr;
-    std::array<double, 6> transform{};
-    std::optional<std::string> crs;
-    std::string crsName;
-    std::optional<double> noData;
-    double scale = 1.0, offset = 0.0;
+    RasterFile file;
+    mutable std::mutex mutex;
+    mutable std::vector<RasterHandle> idle;
 
-    Failure describe();
-    Failure findPlace();
+    class Lease {
+      public:
+        explicit Lease(const State& owner) : owner_(owner) {
+            {
+                const std::lock_guard lock(owner.mutex);
+                if (!owner.idle.empty()) {
+                    data_ = std::move(owner.idle.back());
+                    owner.idle.pop_back();
+                }
+            }
+            if (!data_)
+                data_ = owner.file.openAgain();
+        }
+        ~Lease() {
+            if (data_) {
+                const std::lock_guard lock(owner_.mutex);
+                owner_.idle.push_back(std::move(data_));
+            }
+        }
+        Lease(const Lease&) = delete;
+        Lease& operator=(const Lease&) = delete;
+        GDALRasterBand* band(int index) const {
+            return data_ ? data_->GetRasterBand(index) : nullptr;
+        }
+
+      private:
+        const State& owner_;
+        RasterHandle data_;
+    };
+
+    Error unreadable(const GdalQuiet& quiet) const {
+        return Error{file.path, "cannot be read: " + quiet.reason()};
+    }
+    Failure read(GDALRasterBand* band, int column, int row, int columns, int rows,
+                 float* out) const;
 };
 
 Raster::Raster(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Raster::Raster(Raster&&) noexcept = default;
 Raster& Raster::operator=(Raster&&) noexcept = default;
 Raster::~Raster() {
-    const Quiet quiet; // closing may complain
+    const GdalQuiet quiet; // closing may complain
     state_.reset();
 }
 
-Failure Raster::State::describe() {
-    const int bands = data->GetRasterCount();
-    if (bands == 0)
-        return Error{path, "holds no raster, or several variables of which one must be picked, "
-                           "which cannot be done yet"};
-    if (bands > 1)
-        return Error{path, "has " + std::to_string(bands) +
-                               " bands; heights have one (pictures cannot be opened yet)"};
-    band = data->GetRasterBand(1);
-    if (GDALDataTypeIsComplex(band->GetRasterDataType()))
-        return Error{path, "holds complex numbers, not heights"};
-    if (band->GetColorTable() != nullptr)
-        return Error{path, "is a picture with a palette, not heights"};
-    const std::optional<double> metres = metresPerUnit(band->GetUnitType());
-    if (!metres)
-        return Error{path, std::string("its values are in '") + band->GetUnitType() +
-                               "', not in a unit of length"};
-    int given = 0;
-    const double none = band->GetNoDataValue(&given);
-    if (given != 0)
-        noData = none;
-    scale = *metres * band->GetScale();
-    offset = *metres * band->GetOffset();
-    if (!std::isfinite(scale) || !std::isfinite(offset) || scale == 0.0)
-        return Error{path, "its scale or offset is no number that can be used"};
-    return findPlace();
-}
-
-Failure Raster::State::findPlace() {
-    if (data->GetGeoTransform(transform.data()) != CE_None)
-        return Error{path, "does not say where its corner lies and how wide its pixels are"};
-    const double across = transform[1] * transform[5] - transform[2] * transform[4];
-    if (!allFinite(transform) || !std::isfinite(across) || across == 0.0)
-        return Error{path, "its pixels have no width, or its corner lies nowhere"};
-    const OGRSpatialReference* reference = data->GetSpatialRef();
-    if (reference == nullptr || reference->IsEmpty())
-        return {};
-    char* text = nullptr;
-    const std::array<const char*, 2> options = {"FORMAT=WKT2_2019", nullptr};
-    if (reference->exportToWkt(&text, options.data()) == OGRERR_NONE && text != nullptr)
-        crs = text;
-    CPLFree(text);
-    const char* authority = reference->GetAuthorityName(nullptr);
-    const char* code = reference->GetAuthorityCode(nullptr);
-    const char* name = reference->GetName();
-    crsName = authority != nullptr && code != nullptr ? std::string(authority) + ":" + code
-              : name != nullptr                       ? name
-                                                      : "";
-    return {};
-}
-
-Result<Raster> Raster::open(const std::string& path) {
-    registerDrivers();
-    Quiet quiet;
+Result<Raster> Raster::open(const std::string& path, const RasterOptions& options) {
+    Result<OpenedRaster> opened = openRasterFile(path, options);
+    if (!opened)
+        return opened.error();
     auto state = std::make_unique<State>();
-    state->path = path;
-    state->data.reset(
-        GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data()));
-    if (!state->data)
-        return Error{path, "cannot be read as a raster: " + quiet.reason()};
-    if (Failure wrong = state->describe())
-        return *wrong;
+    state->file = std::move(opened->file);
+    state->idle.push_back(std::move(opened->data));
     return Raster(std::move(state));
 }
 
 int Raster::width() const {
-    return state_->data->GetRasterXSize();
+    return state_->file.width;
 }
 
 int Raster::height() const {
-    return state_->data->GetRasterYSize();
+    return state_->file.height;
+}
+
+int Raster::bands() const {
+    return state_->file.bands;
 }
 
 glm::dvec2 Raster::at(double column, double row) const {
-    const auto& t = state_->transform;
+    const auto& t = state_->file.transform;
     return {t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]};
 }
 
+glm::dvec2 Raster::pixelOf(glm::dvec2 position) const {
+    const auto& t = state_->file.transform;
+    const double across = t[1] * t[5] - t[2] * t[4];
+    const double x = position.x - t[0], y = position.y - t[3];
+    return {(x * t[5] - y * t[2]) / across, (y * t[1] - x * t[4]) / across};
+}
+
+bool Raster::rowsRunSouth() const {
+    const auto& t = state_->file.transform;
+    return t[1] * t[5] - t[2] * t[4] < 0.0;
+}
+
 const std::optional<std::string>& Raster::crs() const {
-    return state_->crs;
+    return state_->file.crs;
 }
 
 std::string Raster::crsName() const {
-    return state_->crsName;
+    return state_->file.crsName;
 }
 
-Result<std::vector<float>> Raster::read(int column, int row, int columns, int rows) const {
+const std::vector<std::string>& Raster::credits() const {
+    return state_->file.credits;
+}
+
+const std::vector<std::string>& Raster::notes() const {
+    return state_->file.notes;
+}
+
+std::vector<int> Raster::overviewFactors() const {
+    return state_->file.overviewFactors;
+}
+
+glm::ivec2 Raster::blockSize() const {
+    return state_->file.blockSize;
+}
+
+glm::ivec2 Raster::overviewSize(int factor) const {
+    for (std::size_t i = 0; i < state_->file.overviewFactors.size(); ++i)
+        if (state_->file.overviewFactors[i] == factor)
+            return state_->file.overviewSizes[i];
+    return {0, 0};
+}
+
+Failure Raster::State::read(GDALRasterBand* band, int column, int row, int columns, int rows,
+                            float* out) const {
+    const GdalQuiet quiet;
+    if (band == nullptr)
+        return Error{file.path, "can no longer be opened"};
+    const Reading reading{file.noData, file.scale, file.offset};
+    const std::size_t count = std::size_t(columns) * std::size_t(rows);
+    const auto io = [&](void* to, GDALDataType type) {
+        return band->RasterIO(GF_Read, column, row, columns, rows, to, columns, rows, type, 0, 0,
+                              nullptr) == CE_None;
+    };
+    if (fitsFloat(band->GetRasterDataType())) {
+        if (!io(out, GDT_Float32))
+            return unreadable(quiet);
+        toMetres<float>(std::span<const float>(out, count), reading, out);
+        return {};
+    }
+    std::vector<double> values(count); // a float may not hold the file's numbers
+    if (!io(values.data(), GDT_Float64))
+        return unreadable(quiet);
+    toMetres<double>(values, reading, out);
+    return {};
+}
+
+Failure Raster::readInto(int column, int row, int columns, int rows, std::span<float> out,
+                         int band) const {
     assert(column >= 0 && row >= 0 && columns > 0 && rows > 0 && columns <= width() - column &&
            rows <= height() - row);
-    Quiet quiet;
-    // In double, as the file's value for no data is; a float may not hold it.
-    std::vector<double> values(std::size_t(columns) * std::size_t(rows));
-    if (state_->band->RasterIO(GF_Read, column, row, columns, rows, values.data(), columns, rows,
-                               GDT_Float64, 0, 0, nullptr) != CE_None)
-        return Error{state_->path, "cannot be read: " + quiet.reason()};
-    // A file of floats holds its no data value rounded to float (-3.4028235e38).
-    const double none = state_->noData.value_or(0.0);
-    const double slack = std::abs(none) * double(std::numeric_limits<float>::epsilon());
-    std::vector<float> out;
-    out.reserve(values.size());
-    for (const double v : values) {
-        const bool missing = !std::isfinite(v) || (state_->noData && std::abs(v - none) <= slack);
-        out.push_back(missing ? std::numeric_limits<float>::quiet_NaN()
-                              : float(v * state_->scale + state_->offset));
+    assert(out.size() >= std::size_t(columns) * std::size_t(rows));
+    const State::Lease lease(*state_);
+    return state_->read(lease.band(band), column, row, columns, rows, out.data());
+}
+
+Result<std::vector<float>> Raster::read(int column, int row, int columns, int rows,
+                                        int band) const {
+    std::vector<float> out(std::size_t(columns) * std::size_t(rows));
+    if (const Failure wrong = readInto(column, row, columns, rows, out, band))
+        return *wrong;
+    return out;
+}
+
+Failure Raster::sampleInto(int column, int row, int step, int columns, int rows,
+                           std::span<float> out) const {
+    if (step == 1)
+        return readInto(column, row, columns, rows, out);
+    const int across = (columns - 1) * step + 1;
+    std::vector<float> line(static_cast<std::size_t>(across));
+    const State::Lease lease(*state_);
+    for (int j = 0; j < rows; ++j) {
+        if (const Failure wrong =
+                state_->read(lease.band(1), column, row + j * step, across, 1, line.data()))
+            return wrong;
+        for (int i = 0; i < columns; ++i)
+            out[std::size_t(j) * std::size_t(columns) + std::size_t(i)] =
+                line[std::size_t(i) * std::size_t(step)];
     }
+    return {};
+}
+
+Result<std::vector<float>> Raster::readOverview(int factor, int column, int row, int columns,
+                                                int rows) const {
+    const auto& factors = state_->file.overviewFactors;
+    const auto it = std::find(factors.begin(), factors.end(), factor);
+    assert(it != factors.end());
+    const State::Lease lease(*state_);
+    GDALRasterBand* band = lease.band(1);
+    if (band != nullptr)
+        band = band->GetOverview(state_->file.overviewIndex[std::size_t(it - factors.begin())]);
+    std::vector<float> out(std::size_t(columns) * std::size_t(rows));
+    if (const Failure wrong = state_->read(band, column, row, columns, rows, out.data()))
+        return *wrong;
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include "streaming/terrain/ground_heights.h"
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 
@@ -23,9 +24,14 @@ enum class TerrainLook {
 
 struct TerrainOptions {
     std::optional<std::string> crs; // for files that name none
+    // Of a file of several variables (NetCDF): the one that is meant.
+    std::optional<std::string> variable;
     Heights heights = Heights::Ellipsoidal;
     double raiseMetres = 0.0;
     TerrainLook look = TerrainLook::Plain;
+    // Rasters of more pixels than this are not read at opening: errors of coarse tiles are
+    // estimated then, those of fine ones found as they are needed. 4e8 take some 10 s.
+    std::int64_t mostPixelsRead = 400'000'000;
     // Long work at opening, 0…1. May be null.
     std::function<void(double share)> progress;
 };
@@ -37,6 +43,9 @@ struct TerrainFacts {
     bool hasOverviews = false;
     double minHeightMetres = 0, maxHeightMetres = 0; // above the ellipsoid
     double dataShare = 1;                            // of pixels with data
+    // Where it is coloured by height: what the first and the last colour stand for, in the raster's
+    // own heights.
+    std::optional<std::array<double, 2>> rampHeights;
     double rootErrorMetres = 0;                      // of the coarsest tile
     bool errorIsBound = true; // false: estimated, the raster being too large to be read at opening
     std::array<double, 4> extent{}; // west, south, east, north, degrees

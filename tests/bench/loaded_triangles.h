@@ -33,7 +33,9 @@ inline Loaded loadAll(Scene& scene) {
                     return origin + glm::dvec3(mesh.positions[mesh.indices[i]]);
                 };
                 const bool clear = content->materials[std::size_t(mesh.material)].alphaTest;
-                for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+                // Skirts are for the eye: rays meet none.
+                const std::size_t solid = mesh.indices.size() - 3 * mesh.skirtTriangles;
+                for (std::size_t i = 0; i + 2 < solid; i += 3) {
                     out.triangles.push_back({at(i), at(i + 1), at(i + 2)});
                     out.clear.push_back(clear);
                 }

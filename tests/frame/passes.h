@@ -77,8 +77,8 @@ class Passes {
         fit(camera, sun, settings);
         drawMaps(settings);
         sunPass_.draw(seen_, {surfaceCamera_, camera, sun.towards, &set_, &maps_, bound_, axes()},
-                      settings);
-        return {sunPass_.readVisibility(), sunPass_.readCascades()};
+                      settings, sun_);
+        return {sun_.readVisibility(), sun_.readCascades()};
     }
 
     const CascadeSet& cascades() const { return set_; }
@@ -95,6 +95,7 @@ class Passes {
     render::VisibilityPass seen_;
     CascadePass maps_;
     SunPass sunPass_;
+    SunPicture sun_;
     render::GpuTimer timer_;
     Camera surfaceCamera_;
     CascadeSet set_;

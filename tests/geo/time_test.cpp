@@ -123,3 +123,69 @@ TEST(Time, WritesWhatItReads) {
     EXPECT_EQ(formatUtc({std::numeric_limits<double>::quiet_NaN()}), "(no date)");
     EXPECT_EQ(formatUtc({1e300}), "(no date)");
 }
+
+namespace {
+
+std::optional<std::string> zoneOf(const char* text) {
+    const Result<ZonedTime> time = parseZonedTime(text);
+    EXPECT_TRUE(time) << text;
+    return time ? time->zone : std::nullopt;
+}
+
+std::string local(const char* utc, const char* zone) {
+    const Result<std::string> text = formatLocal({seconds(utc)}, zone);
+    EXPECT_TRUE(text) << (text ? "" : text.error().message());
+    return text ? *text : "";
+}
+
+} // namespace
+
+TEST(ZonedTime, KeepsTheZoneOrTheOffsetThatWasWritten) {
+    EXPECT_EQ(zoneOf("2021-07-14T18:00 Europe/Berlin"), "Europe/Berlin");
+    EXPECT_EQ(zoneOf("2021-07-14T18:00+02:00"), "+02:00");
+    EXPECT_EQ(zoneOf("2021-07-14T18:00-0330"), "-03:30");
+    EXPECT_EQ(zoneOf("2021-07-14T18:00+02"), "+02:00");
+    EXPECT_EQ(zoneOf("2021-07-14T18:00Z"), std::nullopt);
+    EXPECT_EQ(zoneOf("2021-07-14T18:00"), std::nullopt);
+    EXPECT_EQ(parseZonedTime("2021-07-14T18:00 Europe/Berlin")->utc.seconds,
+              seconds("2021-07-14T16:00Z"));
+}
+
+TEST(ZonedTime, IsShownAsTheClocksThereShowIt) {
+    EXPECT_EQ(local("2021-07-14T16:00Z", "Europe/Berlin"), "2021-07-14 18:00 CEST");
+    EXPECT_EQ(local("2021-01-14T16:00Z", "Europe/Berlin"), "2021-01-14 17:00 CET");
+    EXPECT_EQ(local("2005-08-29T11:10Z", "America/Chicago"), "2005-08-29 06:10 CDT");
+    EXPECT_EQ(local("2021-12-31T23:30Z", "Asia/Kathmandu"), "2022-01-01 05:15 +05:45");
+    EXPECT_EQ(local("2021-07-14T16:00Z", "+02:00"), "2021-07-14 18:00 +02:00");
+    EXPECT_EQ(local("2021-03-01T00:10Z", "-03:30"), "2021-02-28 20:40 -03:30");
+    EXPECT_EQ(local("2021-07-14T16:00Z", "UTC"), "2021-07-14 16:00 UTC");
+    EXPECT_EQ(local("1969-12-31T23:59:59Z", "+00:00"), "1969-12-31 23:59 +00:00");
+}
+
+TEST(ZonedTime, FollowsTheClockChangesToTheSecond) {
+    EXPECT_EQ(local("2021-03-28T00:59:59Z", "Europe/Berlin"), "2021-03-28 01:59 CET");
+    EXPECT_EQ(local("2021-03-28T01:00:00Z", "Europe/Berlin"), "2021-03-28 03:00 CEST");
+    EXPECT_EQ(local("2021-10-31T00:59:59Z", "Europe/Berlin"), "2021-10-31 02:59 CEST");
+    EXPECT_EQ(local("2021-10-31T01:00:00Z", "Europe/Berlin"), "2021-10-31 02:00 CET");
+}
+
+TEST(ZonedTime, ShowsTheMinuteThatHasBegunAndForgivesRoundingErrors) {
+    const double noon = seconds("2021-07-14T12:00Z");
+    EXPECT_EQ(*formatLocal({noon + 59.9}, "+00:00"), "2021-07-14 12:00 +00:00");
+    EXPECT_EQ(*formatLocal({noon - 0.1}, "+00:00"), "2021-07-14 11:59 +00:00");
+    EXPECT_EQ(*formatLocal({noon - 1e-6}, "+00:00"), "2021-07-14 12:00 +00:00");
+}
+
+TEST(ZonedTime, SaysInALineWhyATimeCannotBeShown) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& [when, zone, part] :
+         {std::tuple{0.0, "Europe/Kolonia", "Europe/Kolonia"}, std::tuple{0.0, "+2", "form"},
+          std::tuple{0.0, "+02:00x", "after the offset"}, std::tuple{0.0, "", "zone"},
+          std::tuple{3e9, "Europe/Berlin", "2037"}, std::tuple{nan, "Europe/Berlin", "date"},
+          std::tuple{1e300, "+02:00", "date"}, std::tuple{0.0, "a\nb", "a?b"}}) {
+        const Result<std::string> text = formatLocal({when}, zone);
+        ASSERT_FALSE(text) << zone;
+        EXPECT_NE(text.error().message().find(part), std::string::npos) << text.error().message();
+        EXPECT_EQ(text.error().message().find('\n'), std::string::npos);
+    }
+}

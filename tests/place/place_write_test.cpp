@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <unistd.h>
 #include <vector>
 
@@ -80,7 +81,8 @@ TEST_F(PlaceFiles, OfAnotherPlaceDifferOnlyInWhereItIs) {
     PlaceOptions pole = of(60);
     pole.at = {0, 90, 12};
     Files here = first_, there = write("pole", pole);
-    for (const char* name : {"tileset.json", "place.scene.json", "lamps.geojson", "flight.json"}) {
+    for (const char* name : {"tileset.json", "place.scene.json", "lamps.geojson", "flight.json",
+                             "terrain.tif", "flood.tif", "outline.geojson", "barriers.geojson"}) {
         EXPECT_NE(here.at(name), there.at(name));
         here.erase(name);
         there.erase(name);
@@ -114,7 +116,15 @@ TEST_F(PlaceFiles, SayWhatTheyAre) {
     EXPECT_GT(firstFacts_.subtrees, 1u); // child subtrees too
     const auto scene = nlohmann::json::parse(first_.at("place.scene.json"));
     EXPECT_EQ(scene["layers"][0]["tileset"], "tileset.json");
-    EXPECT_EQ(scene["layers"][1]["lamps"], "lamps.geojson");
+    std::set<std::string> named; // each is there
+    for (const auto& layer : scene["layers"])
+        for (const char* kind : {"tileset", "terrain", "stage", "barriers", "lamps", "hole"})
+            if (layer.contains(kind))
+                named.insert(layer[kind]);
+    EXPECT_EQ(named, (std::set<std::string>{"tileset.json", "terrain.tif", "outline.geojson",
+                                            "flood.tif", "barriers.geojson", "lamps.geojson"}));
+    for (const std::string& name : named)
+        EXPECT_TRUE(first_.count(name)) << name;
     EXPECT_GT(nlohmann::json::parse(first_.at("lamps.geojson"))["features"].size(), 8u);
     EXPECT_TRUE(scene["camera"].contains("heading"));
     EXPECT_EQ(nlohmann::json::parse(first_.at("flight.json"))["interpolation"], "smooth");

@@ -85,6 +85,61 @@ TEST(LampsFile, SaysInOneLineWhatIsWrong) {
     }
 }
 
+TEST(LampsFile, ReadsPointsOfAnyCoordinateReferenceSystem) {
+    Folder folder;
+    const std::string path =
+        folder.write("lamps.geojson",
+                     R"({"type":"FeatureCollection",
+        "crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}},
+        "features":[)" +
+                         point("[356760.24, 5645168.54]",
+                               R"({"Height":"7.5","power":[3,2,1],"range":30,"facing":"all"})") +
+                         "," + point("[356770.24, 5645168.54]") + "," +
+                         point("[356780.24, 5645168.54]", R"({"facing":"up"})") + "]}");
+    const auto file = readLampsFile(path);
+    ASSERT_TRUE(file) << file.error().message();
+    ASSERT_EQ(file->entries.size(), 2u);
+    EXPECT_EQ(file->crs, "EPSG:25832");
+    const LampsFile::Entry& lamp = file->entries[0];
+    EXPECT_NEAR(lamp.foot.longitudeDegrees, 6.9612, 1e-4);
+    EXPECT_NEAR(lamp.foot.latitudeDegrees, 50.94, 1e-3);
+    EXPECT_TRUE(lamp.onLevel);
+    EXPECT_EQ(lamp.heightMetres, 7.5);
+    EXPECT_EQ(lamp.lamp.power, glm::vec3(3, 2, 1));
+    EXPECT_EQ(lamp.lamp.rangeMetres, 30.0);
+    EXPECT_TRUE(lamp.allRound);
+    EXPECT_EQ(file->entries[1].heightMetres, 6.0);
+    EXPECT_NEAR(
+        length(placedLamp(lamp, 50.0).position - placedLamp(file->entries[1], 51.5).position), 10.0,
+        0.01);
+    ASSERT_EQ(file->leftOut.size(), 1u); // one that is wrong is said, the rest is shown
+    EXPECT_NE(file->leftOut[0].message().find("\"facing\" must be"), std::string::npos);
+    // Without a system of its own: the one given.
+    FeatureOptions options;
+    options.crs = "EPSG:25832";
+    options.heights = Heights::Egm96;
+    const auto given = readLampsFile(
+        folder.write("plain.geojson", collection(point("[356760.24, 5645168.54, 50]"))), options);
+    ASSERT_TRUE(given) << given.error().message();
+    EXPECT_NEAR(given->entries.at(0).foot.longitudeDegrees, lamp.foot.longitudeDegrees, 1e-9);
+    EXPECT_FALSE(given->entries[0].onLevel);
+    EXPECT_NEAR(given->entries[0].foot.heightMetres, 96.6, 0.5);
+    const auto missing = readLampsFile(folder / "none.gpkg");
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().message().find('\n'), std::string::npos);
+}
+
+TEST(LampsFile, SaysWhenNotAllCanBeLitAtOnce) {
+    std::string features = point("[6.96, 50.94]");
+    for (int i = 1; i < kMaxLampHemispheres; ++i)
+        features += "," + point("[6.96, 50.94]");
+    EXPECT_TRUE(parseLampsFile(collection(features), "lamps.geojson")->notes.empty());
+    const auto more =
+        parseLampsFile(collection(features + "," + point("[6.96, 50.94]")), "l.geojson");
+    ASSERT_EQ(more->notes.size(), 1u);
+    EXPECT_NE(more->notes[0].find("33 lamps, of which at most 32 are lit"), std::string::npos);
+}
+
 TEST(LampsFile, IsALayerOfASceneAndAnInputOfItsOwn) {
     Folder folder;
     GlbBuilder builder;

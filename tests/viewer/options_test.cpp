@@ -118,7 +118,15 @@ TEST(Options, WhatIsSaidBesidesATechniqueWinsInAnyOrder) {
 TEST(Options, TheSunIsSetByTimeOrByAngles) {
     const auto time = captured({"--time", "2021-07-14T18:00 Europe/Berlin"});
     EXPECT_EQ(formatUtc(std::get<UtcTime>(time.picture.sun)), "2021-07-14T16:00:00Z");
-    EXPECT_EQ(refused({"--time", "2021-07-14T18:00Z", "--sun", "1,2"}).subject, "--sun");
+    // Together, in either order: the time moves the flood, the sun stands still.
+    for (const auto& both :
+         {std::vector<std::string>{"--time", "2021-07-14T18:00Z", "--sun", "1,2"},
+          std::vector<std::string>{"--sun", "1,2", "--time", "2021-07-14T18:00Z"}}) {
+        const auto options = captured(both);
+        EXPECT_EQ(formatUtc(std::get<UtcTime>(options.picture.sun)), "2021-07-14T18:00:00Z");
+        ASSERT_TRUE(options.picture.fixedSun);
+        EXPECT_EQ(options.picture.fixedSun->elevationDegrees, 2);
+    }
 }
 
 TEST(Options, GroundIsAutoNoneOrAHeight) {

@@ -33,15 +33,38 @@ TEST(SceneFile, NamesLayersRelativeToItself) {
     EXPECT_TRUE(scene->problems.empty());
 }
 
-TEST(SceneFile, LayersOfLaterKindsAreLeftOutByName) {
-    const auto scene = parse(R"({"layers":[{"terrain":"dem.tif"},{"tileset":"t.json"},
-                                           {"water":"flood.nc","variable":"zs"}]})");
-    ASSERT_TRUE(bool(scene));
-    EXPECT_EQ(scene->layers.size(), 1u);
-    ASSERT_EQ(scene->problems.size(), 2u);
-    EXPECT_EQ(scene->problems[0].severity, Problem::Severity::Error);
-    EXPECT_EQ(scene->problems[0].uri, "s.json: layer 1");
-    EXPECT_NE(scene->problems[1].reason.find("water"), std::string::npos);
+TEST(SceneFile, SaysOfEachLayerWhatItsFilesLack) {
+    const auto scene = parse(R"({"layers":[
+        {"terrain":"dem.tif","look":"ramp"},
+        {"imagery":"road.csv","crs":"EPSG:32756","color":"#5a0060"},
+        {"buildings":"houses.geojson","height":6,"height-attribute":"h"},
+        {"barriers":"walls.geojson","from":"2021-07-14T18:00:00Z","height":1.5,"width":0.4},
+        {"water":"flood.nc","variable":"zs","kind":"stage","start":"2021-07-14T12:00:00Z",
+         "step":"1h","colors":"natural","most":3,"dry":0.05},
+        {"depth":["a.tif","b.tif"],"step":"15min"}, {"trees":"t.gpkg"}, {"lamps":"l.geojson"}]})");
+    ASSERT_TRUE(bool(scene)) << scene.error().message();
+    EXPECT_TRUE(scene->problems.empty());
+    const auto& layers = scene->layers;
+    ASSERT_EQ(layers.size(), 8u);
+    EXPECT_EQ(layers[0].kind, InputKind::Terrain);
+    EXPECT_EQ(layers[0].look, TerrainLook::Ramp);
+    EXPECT_EQ(layers[1].color, (std::array<std::uint8_t, 3>{0x5a, 0x00, 0x60}));
+    EXPECT_EQ(layers[2].heightMetres, 6);
+    EXPECT_EQ(layers[2].heightAttribute, "h");
+    EXPECT_EQ(formatUtc(*layers[3].from), "2021-07-14T18:00:00Z");
+    EXPECT_EQ(layers[3].widthMetres, 0.4);
+    EXPECT_EQ(layers[4].kind, InputKind::Water);
+    EXPECT_EQ(layers[4].waterKind, WaterKind::Stage);
+    EXPECT_EQ(layers[4].variable, "zs");
+    EXPECT_EQ(layers[4].stepSeconds, 3600);
+    EXPECT_EQ(layers[4].colors, WaterColors::Natural);
+    EXPECT_EQ(layers[4].most, 3);
+    EXPECT_EQ(layers[4].dryMetres, 0.05);
+    EXPECT_EQ(layers[5].waterKind, WaterKind::Depth);
+    EXPECT_EQ(layers[5].path, "dir/a.tif");
+    EXPECT_EQ(layers[5].steps, std::vector<std::string>{"dir/b.tif"});
+    EXPECT_EQ(layers[5].stepSeconds, 900);
+    EXPECT_EQ(layers[7].kind, InputKind::Lamps);
 }
 
 TEST(SceneFile, UnknownKeysAreSaidAndIgnored) {
@@ -52,15 +75,30 @@ TEST(SceneFile, UnknownKeysAreSaidAndIgnored) {
 }
 
 TEST(SceneFile, RefusesWhatIsWrong) {
-    for (const char* text :
-         {"", "[]", "{}", R"({"layers":{}})", R"({"layers":[1]})", R"({"layers":[{}]})",
-          R"({"layers":[{"tileset":1}]})", R"({"layers":[{"tileset":"a","model":"b"}]})",
-          R"({"layers":[{"model":"a","place":[1,2]}]})",
-          R"({"layers":[{"model":"a","place":[1,95,0]}]})",
-          R"({"layers":[{"model":"a","place":[1,"2",0]}]})",
-          R"({"layers":[{"model":"a","up":"x"}]})", R"({"layers":[{"model":"a","heights":"x"}]})",
-          R"({"layers":[],"time":"noon"})", R"({"layers":[],"camera":[]})",
-          R"({"layers":[],"camera":{"lon":1}})", R"({"layers":[],"ground":"deep"})"}) {
+    for (const char* text : {"",
+                             "[]",
+                             "{}",
+                             R"({"layers":{}})",
+                             R"({"layers":[1]})",
+                             R"({"layers":[{}]})",
+                             R"({"layers":[{"tileset":1}]})",
+                             R"({"layers":[{"tileset":"a","model":"b"}]})",
+                             R"({"layers":[{"model":"a","place":[1,2]}]})",
+                             R"({"layers":[{"model":"a","place":[1,95,0]}]})",
+                             R"({"layers":[{"model":"a","place":[1,"2",0]}]})",
+                             R"({"layers":[{"model":"a","up":"x"}]})",
+                             R"({"layers":[{"model":"a","heights":"x"}]})",
+                             R"({"layers":[{"terrain":["a","b"]}]})",
+                             R"({"layers":[{"depth":[]}]})",
+                             R"({"layers":[{"depth":"a","step":"soon"}]})",
+                             R"({"layers":[{"depth":"a","kind":"x"}]})",
+                             R"({"layers":[{"barriers":"a","from":"noon"}]})",
+                             R"({"layers":[{"imagery":"a","color":"red"}]})",
+                             R"({"layers":[{"terrain":"a","depth":"b"}]})",
+                             R"({"layers":[],"time":"noon"})",
+                             R"({"layers":[],"camera":[]})",
+                             R"({"layers":[],"camera":{"lon":1}})",
+                             R"({"layers":[],"ground":"deep"})"}) {
         const auto scene = parse(text);
         ASSERT_FALSE(bool(scene)) << text;
         EXPECT_EQ(scene.error().kind, ErrorKind::Input);

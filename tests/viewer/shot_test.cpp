@@ -44,8 +44,12 @@ TEST(Shot, TheSunIsTheKeyframesThenTheCommandLinesThenTheScenes) {
     EXPECT_EQ(Shots::create(options)->lengthSeconds(), 2.0);
     options.sun = SunAngles{100, 20};
     options.camera = {};
-    EXPECT_FALSE(firstShot(options, scene).time);
+    EXPECT_EQ(firstShot(options, scene).time->seconds, scene.time->seconds); // of the flood
     EXPECT_NEAR(firstShot(options, scene).sun.elevationDegrees, 20, 1e-9);
+    options.sun = *parseTime("2021-06-21T15:00Z");
+    options.fixedSun = SunAngles{100, 30};
+    EXPECT_EQ(formatUtc(*firstShot(options, scene).time), "2021-06-21T15:00:00Z");
+    EXPECT_NEAR(firstShot(options, scene).sun.elevationDegrees, 30, 1e-9);
 }
 
 TEST(Shot, TheCommandLinesCameraWinsOverTheScenes) {

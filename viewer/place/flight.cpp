@@ -1,6 +1,7 @@
 #include "viewer/place/flight.h"
 
 #include "geo/camera.h"
+#include "viewer/place/surroundings.h"
 
 #include <glm/geometric.hpp>
 
@@ -77,13 +78,30 @@ nlohmann::json flightJson(const std::vector<FlightKey>& keys, const Geodetic& at
     return {{"keyframes", frames}, {"interpolation", "smooth"}};
 }
 
-std::string afternoon(const Geodetic& at) {
-    const int minutes = int(std::lround((16.0 - at.longitudeDegrees / 15.0) * 60)); // 4 h … 28 h
+namespace {
+
+// Of the longest day, by the sun: 16.0 is four hours past noon. Hours 12 to 24 only.
+std::string atHour(const Geodetic& at, double hour) {
+    const int minutes = int(std::lround((hour - at.longitudeDegrees / 15.0) * 60)); // 0 h … 36 h
     char text[64];
     std::snprintf(text, sizeof text, "2025-%02d-%02dT%02d:%02d:00Z",
                   at.latitudeDegrees < 0 ? 12 : 6, 21 + minutes / 1440, minutes / 60 % 24,
                   minutes % 60);
     return text;
+}
+
+constexpr double kFloodBegins = 14.5; // so it is at its height at dusk
+
+} // namespace
+
+std::string afternoon(const Geodetic& at) {
+    return atHour(at, 16.0);
+}
+std::string floodBegins(const Geodetic& at) {
+    return atHour(at, kFloodBegins);
+}
+std::string barrierAppears(const Geodetic& at) {
+    return atHour(at, kFloodBegins + kBarrierHour);
 }
 
 } // namespace gnomon::builtin

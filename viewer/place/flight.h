@@ -27,5 +27,8 @@ std::vector<FlightKey> flight(const Plan& plan);
 nlohmann::json flightJson(const std::vector<FlightKey>& keys, const Geodetic& at);
 // A summer afternoon there: 16 h by the sun, UTC.
 std::string afternoon(const Geodetic& at);
+// When the flood begins to rise that day, and when the barrier stands.
+std::string floodBegins(const Geodetic& at);
+std::string barrierAppears(const Geodetic& at);
 
 } // namespace gnomon::builtin

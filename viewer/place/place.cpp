@@ -2,11 +2,13 @@
 
 #include "viewer/place/flight.h"
 #include "viewer/place/lamps.h"
+#include "viewer/place/surroundings.h"
 #include "viewer/place/tiles.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -50,6 +52,15 @@ class Folder {
         ++facts.files;
         facts.bytes += bytes.size();
         return std::nullopt;
+    }
+
+    std::string at(const std::string& name) const { return (fs::path(path_) / name).string(); }
+    // Of a file that somebody else wrote.
+    Failure count(const std::string& name, Failure failed, PlaceFacts& facts) const {
+        std::error_code ignored;
+        ++facts.files;
+        facts.bytes += fs::file_size(fs::path(path_) / name, ignored);
+        return failed;
     }
 
     Failure writeJson(const std::string& name, const json& value, PlaceFacts& facts) const {
@@ -257,11 +268,15 @@ Failure writeScene(const std::vector<FlightKey>& keys, const Geodetic& at, const
         return error;
     json camera = flight["keyframes"][0];
     camera.erase("t");
+    const std::string floodStart = floodBegins(at);
+    const json layers = json::array(
+        {{{"tileset", "tileset.json"}},
+         {{"terrain", "terrain.tif"}, {"hole", "outline.geojson"}},
+         {{"stage", "flood.tif"}, {"start", floodStart}, {"step", "1h"}, {"colors", "natural"}},
+         {{"barriers", "barriers.geojson"}, {"from", barrierAppears(at)}},
+         {{"lamps", "lamps.geojson"}}});
     const json scene{
-        {"layers", json::array({{{"tileset", "tileset.json"}}, {{"lamps", "lamps.geojson"}}})},
-        {"ground", "none"},
-        {"time", afternoon(at)},
-        {"camera", camera}};
+        {"layers", layers}, {"ground", "none"}, {"time", afternoon(at)}, {"camera", camera}};
     return folder.writeJson("place.scene.json", scene, facts);
 }
 
@@ -292,6 +307,16 @@ Result<PlaceFacts> writePlace(const PlaceOptions& options,
         return *error;
     if (auto error =
             folder.writeJson("lamps.geojson", lampsJson(streetLamps(plan), options.at), facts))
+        return *error;
+    const std::array<
+        std::pair<const char*, Failure (*)(const Plan&, const Geodetic&, const std::string&)>, 2>
+        rasters = {{{"terrain.tif", writeTerrain}, {"flood.tif", writeFlood}}};
+    for (const auto& [name, write] : rasters)
+        if (auto error = folder.count(name, write(plan, options.at, folder.at(name)), facts))
+            return *error;
+    if (auto error = folder.writeJson("outline.geojson", holeJson(plan, options.at), facts))
+        return *error;
+    if (auto error = folder.writeJson("barriers.geojson", barriersJson(plan, options.at), facts))
         return *error;
     const auto keys = flight(plan);
     if (auto error = writeScene(keys, options.at, folder, facts))

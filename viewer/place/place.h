@@ -3,8 +3,9 @@
 //
 // It is authored in one flat frame, east, north, up in metres at `at`, and put on the Earth by the
 // root's transform alone; bounding volumes are boxes. So it is rigid: the same place to the last
-// bit at Cologne, at a pole and on the antimeridian. The same options give the same bytes, and only
-// tileset.json, place.scene.json, lamps.geojson and flight.json depend on `at`.
+// bit at Cologne, at a pole and on the antimeridian. Terrain all round, a flood and a barrier come
+// as rasters and GeoJSON (viewer/place/surroundings.h). The same options give the same bytes; of
+// the tileset only tileset.json depends on `at`, of what lies beside it all does.
 #pragma once
 
 #include "geo/ellipsoid.h"

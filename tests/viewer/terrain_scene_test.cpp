@@ -3,11 +3,8 @@
 
 #include "streaming/terrain/raster.h"
 #include "viewer/input.h"
-#include "viewer/raster_tiles.h"
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
+#include <gtest/gtest.h>
 
 using namespace gnomon;
 
@@ -30,31 +27,6 @@ Result<Scene> openRaster(const std::string& path, const std::string& crs = "EPSG
     return openScene(options);
 }
 
-// Two million triangles: opened once.
-struct Opened {
-    Result<Scene> scene;
-    test::Loaded loaded;
-};
-const Opened& bottrop() {
-    static const std::unique_ptr<Opened> one = [] {
-        auto made = std::make_unique<Opened>(Opened{openRaster(test::data(kBottrop), ""), {}});
-        if (made->scene)
-            made->loaded = test::loadAll(*made->scene);
-        return made;
-    }();
-    return *one;
-}
-
-Point<Ecef> nearest(const test::Loaded& loaded, const Scene& scene, Point<Ecef> to) {
-    const glm::dvec3 wanted = rigidInverse(scene.ecefFromAnchor)(to).xyz;
-    glm::dvec3 best(1e300);
-    for (const test::Triangle& t : loaded.triangles)
-        for (const glm::dvec3& p : t)
-            if (glm::length(p - wanted) < glm::length(best - wanted))
-                best = p;
-    return scene.ecefFromAnchor(Point<Enu>{best});
-}
-
 void expectOneLine(const Error& error) {
     EXPECT_FALSE(error.reason.empty());
     EXPECT_EQ(error.message().find('\n'), std::string::npos);
@@ -63,58 +35,9 @@ void expectOneLine(const Error& error) {
 
 } // namespace
 
-// Pixel centres and their heights (gdallocationinfo), brought to ECEF outside of gnomon:
-//   echo "356000.5 5699999.5 102.5" | gdaltransform
-//       -s_srs '+proj=utm +zone=32 +ellps=GRS80 +towgs84=0,0,0 +vunits=m' -t_srs EPSG:4978
-// and cs2cs EPSG:25832 to EPSG:4326 and from there to EPSG:4978, which agree to 0.1 mm.
-TEST(RasterTiles, PixelsStandWhereOtherProgramsPutThem) {
-    GNOMON_NEEDS_DATA(kBottrop);
-    const auto& [scene, loaded] = bottrop();
-    ASSERT_TRUE(bool(scene)) << scene.error().message();
-    const glm::dvec3 known[] = {{3955458.0478, 480652.5845, 4963789.9481},  // 0, 0: 102.5
-                                {3956102.8244, 481765.5033, 4963204.3190},  // 999, 999: 127.5
-                                {3955811.9832, 481011.9705, 4963496.7478}}; // 300, 500: 119.349998
-    for (const glm::dvec3& p : known)
-        EXPECT_LT(length(nearest(loaded, *scene, {p}) - Point<Ecef>{p}), 1e-3);
-    EXPECT_EQ(loaded.triangles.size(), 2u * 999u * 999u);
-    EXPECT_EQ(loaded.closed, 0u);
-    EXPECT_TRUE(scene->layers[0].tileset->failures().empty());
-    EXPECT_EQ(scene->layers[0].kind, "terrain");
-    EXPECT_EQ(scene->layers[0].crs, "EPSG:25832");
-    EXPECT_EQ((*scene->layers[0].size)[0], 1000);
-}
-
-TEST(RasterTiles, ItsSurfaceFacesUpAndHasNoCracks) {
-    GNOMON_NEEDS_DATA(kBottrop);
-    const auto& [scene, loaded] = bottrop();
-    ASSERT_TRUE(bool(scene));
-    for (const test::Triangle& t : loaded.triangles)
-        ASSERT_GT(glm::cross(t[1] - t[0], t[2] - t[0]).z, 0.0);
-    // Where blocks meet they have the same vertices, to the rounding of floats: no more of them
-    // than there are pixels.
-    std::vector<glm::dvec3> points;
-    for (const test::Triangle& t : loaded.triangles)
-        points.insert(points.end(), t.begin(), t.end());
-    const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };
-    std::sort(points.begin(), points.end(),
-              [&](const glm::dvec3& a, const glm::dvec3& b) { return key(a) < key(b); });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    constexpr double kSame = 1e-4;
-    std::size_t distinct = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        bool again = false;
-        for (std::size_t k = i + 1; k < points.size() && points[k].x - points[i].x < kSame; ++k)
-            again |= glm::length(points[k] - points[i]) < kSame;
-        distinct += !again;
-    }
-    EXPECT_EQ(distinct, 1000u * 1000u);
-}
-
-TEST(RasterTiles, HeightsAboveTheSeaAreRaisedByTheGeoid) {
+TEST(TerrainScene, HeightsAboveTheSeaAreRaisedByTheGeoid) {
     const test::Folder folder;
     const std::string path = folder.write("a.asc", grid(2, 2, "5 5\n5 5\n"));
-    PlacingOptions placing;
-    placing.crs = "EPSG:25832";
     SceneOptions options;
     options.inputs = {path};
     options.crs = "EPSG:25832";
@@ -127,7 +50,7 @@ TEST(RasterTiles, HeightsAboveTheSeaAreRaisedByTheGeoid) {
     EXPECT_NEAR(ellipsoid->anchor.heightMetres, 5.0, 1e-3);
 }
 
-TEST(RasterTiles, WhereThereIsNoDataThereIsAHole) {
+TEST(TerrainScene, WhereThereIsNoDataThereIsAHole) {
     const test::Folder folder;
     // One corner without data takes a triangle with it, the middle all six around it.
     Result<Scene> corner =
@@ -150,7 +73,7 @@ TEST(RasterTiles, WhereThereIsNoDataThereIsAHole) {
     EXPECT_NE(none.error().message().find("no data"), std::string::npos);
 }
 
-TEST(RasterTiles, RowsMayRunNorthwardsAndStillFaceUp) {
+TEST(TerrainScene, RowsMayRunNorthwardsAndStillFaceUp) {
     const test::Folder folder;
     // GDAL writes no such ASCII grid; a world file turns one round.
     folder.write("a.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n");
@@ -163,31 +86,7 @@ TEST(RasterTiles, RowsMayRunNorthwardsAndStillFaceUp) {
     EXPECT_EQ(*values, (std::vector<float>{2, 4}));
 }
 
-TEST(RasterTiles, LargeRastersAreThinnedAndItIsSaid) {
-    const test::Folder folder;
-    std::string values;
-    for (int i = 0; i < 101 * 81; ++i)
-        values += std::to_string(i % 7) + ((i + 1) % 101 ? " " : "\n");
-    const std::string path = folder.write("a.asc", grid(101, 81, values));
-    PlacingOptions placing;
-    placing.crs = "EPSG:25832";
-    const Result<RasterTiles> all = rasterTiles(path, placing);
-    ASSERT_TRUE(bool(all));
-    EXPECT_EQ(all->notes.size(), 1u);
-    // A step of 3 leaves 33 x 26 cells, a step of 2 50 x 40.
-    const Result<RasterTiles> some = rasterTiles(path, placing, 2000);
-    ASSERT_TRUE(bool(some));
-    ASSERT_EQ(some->notes.size(), 2u);
-    EXPECT_NE(some->notes[1].reason.find("3 x 3 of its 101 x 81"), std::string::npos)
-        << some->notes[1].reason;
-    SceneOptions options;
-    Result<Scene> scene =
-        openScene(options, some->source, {"a.asc", some->path, InputKind::Tileset});
-    ASSERT_TRUE(bool(scene));
-    EXPECT_EQ(test::loadAll(*scene).triangles.size(), 2u * 33u * 26u);
-}
-
-TEST(RasterTiles, ARasterThatDoesNotSayWhereItIsAsksForIt) {
+TEST(TerrainScene, ARasterThatDoesNotSayWhereItIsAsksForIt) {
     const test::Folder folder;
     const std::string path = folder.write("a.asc", grid(2, 2, "1 2\n3 4\n"));
     const Result<Scene> scene = openRaster(path, "");
@@ -200,7 +99,7 @@ TEST(RasterTiles, ARasterThatDoesNotSayWhereItIsAsksForIt) {
     expectOneLine(wrong.error());
 }
 
-TEST(RasterTiles, HostileFilesGiveOneLine) {
+TEST(TerrainScene, HostileFilesGiveOneLine) {
     using namespace std::string_literals;
     const test::Folder folder;
     const std::pair<const char*, std::string> files[] = {
@@ -234,7 +133,7 @@ TEST(RasterTiles, HostileFilesGiveOneLine) {
     EXPECT_FALSE(bool(openRaster(vrt)));
 }
 
-TEST(RasterTiles, ACutFileIsAnErrorNotAHole) {
+TEST(TerrainScene, ACutFileIsAnErrorNotAHole) {
     GNOMON_NEEDS_DATA(kBottrop);
     const test::Folder folder;
     const std::string whole = test::contentsOf(test::data(kBottrop));
@@ -247,7 +146,7 @@ TEST(RasterTiles, ACutFileIsAnErrorNotAHole) {
     EXPECT_FALSE(bool(scene));
 }
 
-TEST(RasterTiles, NothingIsWrittenBesideTheInput) {
+TEST(TerrainScene, NothingIsWrittenBesideTheInput) {
     const test::Folder folder;
     const Result<Scene> scene = openRaster(folder.write("a.asc", grid(2, 2, "1 2\n3 4\n")));
     EXPECT_TRUE(bool(scene));
