@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 namespace gnomon {
 
@@ -37,6 +38,17 @@ const char* pluginOf(ImageFormat format) {
     return format == ImageFormat::Png ? "png" : "jpeg";
 }
 
+// What was cut short (our own pictures never are, their copies may be) lacks its last mark.
+bool endsWhole(ImageFormat format, const std::string& path) {
+    using namespace std::string_literals;
+    const std::string mark =
+        format == ImageFormat::Png ? "\0\0\0\0IEND\xAE\x42\x60\x82"s : "\xFF\xD9"s;
+    std::ifstream file(path, std::ios::binary);
+    std::string end(mark.size(), '\0');
+    file.seekg(-std::streamoff(mark.size()), std::ios::end);
+    return file.read(end.data(), std::streamsize(end.size())) && end == mark;
+}
+
 bool isWhole(int width, int height, int channels, std::size_t values) {
     return width > 0 && height > 0 && values == std::size_t(width) * height * channels;
 }
@@ -64,8 +76,7 @@ std::optional<std::string> readDescription(ImageFormat format, const std::string
         return {};
     }
     const std::string description = spec.get_string_attribute("ImageDescription");
-    input->close();
-    if (description.empty())
+    if (description.empty() || !endsWhole(format, path))
         return {};
     return description;
 }

@@ -403,6 +403,8 @@ Result<Input> identifyInput(const std::string& argument, std::optional<InputKind
     } else if (!fs::is_regular_file(status)) {
         return Error{uri, "neither a file nor a folder"};
     }
+    if (!fs::is_directory(path, failed) && fs::file_size(path, failed) == 0)
+        return Error{uri, "the file is empty"};
     // A link the user names is followed; links inside the input's folder may not lead out of it.
     if (fs::is_symlink(path, failed))
         path = fs::canonical(path, failed).string();

@@ -77,7 +77,8 @@ class Inspector {
         if (layer.crs)
             input.crs = layer.crs;
         input.size = layer.size;
-        if ((layer.placedByUser || layer.crs) && options_.heights == Heights::Egm96)
+        if ((layer.placedByUser && options_.heights == Heights::Egm96) ||
+            layer.heights == Heights::Egm96)
             input.heights = "egm96";
         input.tileset = layer.tileset->tree().facts();
         if (layer.terrain)
@@ -136,7 +137,7 @@ class Inspector {
         input.uri = water.uri;
         input.kind = water.kind;
         input.crs = data.crs;
-        input.heights = options_.heights == Heights::Egm96 ? "egm96" : "ellipsoidal";
+        input.heights = water.heights == Heights::Egm96 ? "egm96" : "ellipsoidal";
         if (geometry.columns > 0)
             input.size = {geometry.columns, geometry.rows};
         const auto [west, south, east, north] = water.surface->extent();

@@ -30,20 +30,23 @@ FeatureOptions featureOptions(const LayerFacts& facts) {
             facts.raiseMetres.value_or(0.0)};
 }
 
-Result<OpenedLayer> layerOf(const Input& input, const MadeTileset& made, Opening& opening) {
+Result<OpenedLayer> layerOf(const Input& input, const LayerFacts& facts, const MadeTileset& made,
+                            Opening& opening) {
     auto tileset = StreamedTileset::ofMade(made, input.uri, opening.loader);
     if (!tileset)
         return tileset.error();
     OpenedLayer opened;
     opened.layer.uri = input.uri;
     opened.layer.kind = nameOf(input.kind);
+    opened.layer.heights = facts.heights.value_or(Heights::Ellipsoidal);
     opened.bounds = boundingSphere((*tileset)->tree().node(TileTree::root()).volume);
     opened.layer.tileset = std::move(*tileset);
     return opened;
 }
 
-Result<OpenedLayer> standingLayer(const Input& input, const MadeTileset& made, Opening& opening) {
-    Result<OpenedLayer> opened = layerOf(input, made, opening);
+Result<OpenedLayer> standingLayer(const Input& input, const LayerFacts& facts,
+                                  const MadeTileset& made, Opening& opening) {
+    Result<OpenedLayer> opened = layerOf(input, facts, made, opening);
     if (opened && !opening.unplaced)
         opened->heights = heightsOf(*opened->layer.tileset, opened->bounds.centre);
     return opened;
@@ -86,7 +89,7 @@ Result<OpenedTerrain> openTerrain(const Input& input, const LayerFacts& facts, O
     sayOf(input, found.notes, found.credits, opening);
     if (facts.placement)
         opening.warn(input.uri, "it has its own place on the Earth; --place is not applied to it");
-    OpenedTerrain opened{input, std::move(*terrain), nullptr};
+    OpenedTerrain opened{input, facts, std::move(*terrain), nullptr};
     if (facts.hole)
         opened.hole = holeIn(opened.terrain, *facts.hole, opening);
     return opened;
@@ -110,7 +113,7 @@ std::vector<Result<OpenedLayer>> terrainLayers(std::vector<OpenedTerrain> terrai
         if (opened.hole)
             over.push_back(opened.hole);
         Result<OpenedLayer> layer =
-            layerOf(opened.input, opened.terrain->tiles(over, paint), opening);
+            layerOf(opened.input, opened.facts, opened.terrain->tiles(over, paint), opening);
         if (layer) {
             layer->layer.terrain = opened.terrain;
             layer->layer.crs = facts.crs;
@@ -143,7 +146,7 @@ Result<OpenedLayer> openBuildings(const Input& input, const LayerFacts& facts, c
     if (!buildings)
         return buildings.error();
     sayOf(input, (*buildings)->file(), opening);
-    Result<OpenedLayer> opened = standingLayer(input, (*buildings)->tiles(), opening);
+    Result<OpenedLayer> opened = standingLayer(input, facts, (*buildings)->tiles(), opening);
     if (opened) {
         opened->layer.crs = (*buildings)->file().crs;
         opened->layer.buildings = std::move(*buildings);
@@ -157,7 +160,7 @@ Result<OpenedLayer> openTrees(const Input& input, const LayerFacts& facts, const
     if (!trees)
         return trees.error();
     sayOf(input, trees->file, opening);
-    Result<OpenedLayer> opened = standingLayer(input, trees->tiles, opening);
+    Result<OpenedLayer> opened = standingLayer(input, facts, trees->tiles, opening);
     if (opened)
         opened->layer.crs = trees->file.crs;
     return opened;
@@ -174,7 +177,7 @@ Result<std::vector<OpenedLayer>> openBarriers(const Input& input, const LayerFac
     sayOf(input, barriers->file, opening);
     std::vector<OpenedLayer> layers;
     for (const BarrierGroup& group : barriers->groups) {
-        Result<OpenedLayer> opened = standingLayer(input, group.tiles, opening);
+        Result<OpenedLayer> opened = standingLayer(input, facts, group.tiles, opening);
         if (!opened)
             return opened.error();
         opened->layer.crs = barriers->file.crs;
@@ -214,6 +217,7 @@ Result<WaterLayer> openWater(const Input& input, const LayerFacts& facts, const 
     layer.uri = input.uri;
     layer.kind = flood.kind() == WaterKind::Depth ? "depth" : "stage";
     layer.surface = std::move(*surface);
+    layer.heights = options.heights;
     layer.look = {facts.colors.value_or(WaterColors::Depth), facts.most};
     if (layer.look.colors == WaterColors::Speed && !flood.hasVelocity()) {
         opening.warn(input.uri, "it holds no velocities, so it is coloured by depth");

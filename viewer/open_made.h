@@ -8,6 +8,7 @@ namespace gnomon {
 
 struct OpenedTerrain {
     Input input;
+    LayerFacts facts;
     std::shared_ptr<const Terrain> terrain;
     std::shared_ptr<const GroundHeights> hole; // where other ground is shown; may be null
 };

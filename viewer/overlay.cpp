@@ -208,17 +208,20 @@ class Drawing {
                facts_.time->seconds > facts_.flood->last.seconds;
     }
     std::string floodLabel(UtcTime time) const {
-        constexpr double kSecondsPerDay = 86400.0;
         constexpr std::size_t kYearLength = 5; // "2021-"
         const std::string first = clockText(facts_.flood->first, facts_.timeZone);
         const std::string last = clockText(facts_.flood->last, facts_.timeZone);
         const std::string text = clockText(time, facts_.timeZone);
         if (text.size() <= kDayLength)
             return "";
-        if (first.substr(0, kDayLength) == last.substr(0, kDayLength))
+        const auto sameYear = [&](const std::string& other) {
+            return other.substr(0, kYearLength) ==
+                   clockText(*facts_.time, facts_.timeZone).substr(0, kYearLength);
+        };
+        if (!sameYear(first) || !sameYear(last))
+            return text;
+        if (first.substr(0, kDayLength) == last.substr(0, kDayLength) && !outsideFlood())
             return text.substr(kDayLength + 1);
-        if (facts_.flood->last.seconds - facts_.flood->first.seconds > 30.0 * kSecondsPerDay)
-            return text.substr(0, kDayLength);
         return text.substr(kYearLength);
     }
 

@@ -40,7 +40,7 @@ void crossingsAt(const std::vector<glm::dvec2>& outline, double y, std::vector<d
 } // namespace
 
 void OverlayCanvas::blend(int x, int y, double share, OverlayColor color) {
-    const int alpha = int(std::lround(share * color.alpha));
+    const int alpha = int(share * color.alpha + 0.5);
     std::uint8_t* pixel =
         &picture_.rgb[3 * (std::size_t(y) * std::size_t(picture_.width) + std::size_t(x))];
     const auto mix = [alpha](std::uint8_t& under, std::uint8_t over) {

@@ -167,6 +167,16 @@ class SceneOpener {
         openTerrains(opening);
         for (const Asked& asked : asked_)
             openOne(asked, opening);
+        chooseFlatGround();
+        // As they were named: terrain was only opened before the others.
+        const auto place = [&](const OpenedLayer& layer) {
+            return std::find_if(asked_.begin(), asked_.end(), [&](const Asked& asked) {
+                return asked.input.uri == layer.layer.uri;
+            });
+        };
+        std::stable_sort(
+            opened_.begin(), opened_.end(),
+            [&](const OpenedLayer& a, const OpenedLayer& b) { return place(a) < place(b); });
     }
 
     void openTerrains(Opening& opening) {
@@ -208,20 +218,16 @@ class SceneOpener {
             return add(openTileset(input, fileSource(split.folder), split.name, facts, opening));
         }
         case InputKind::Buildings:
-            standsOnFlat();
-            return add(openBuildings(input, facts, standOn_, opening));
+            return add(openBuildings(input, facts, scene_.groundHeights, opening));
         case InputKind::Trees:
-            standsOnFlat();
             return add(openTrees(input, facts, standOn_, opening));
         case InputKind::Barriers:
-            standsOnFlat();
             return keep(openBarriers(input, facts, standOn_, opening),
                         [&](std::vector<OpenedLayer> layers) {
                             for (OpenedLayer& layer : layers)
                                 opened_.push_back(std::move(layer));
                         });
         case InputKind::Water:
-            standsOnFlat();
             return keep(openWater(input, facts, standOn_, opening),
                         [&](WaterLayer water) { scene_.waters.push_back(std::move(water)); });
         case InputKind::Lamps:
@@ -232,9 +238,18 @@ class SceneOpener {
             return;
         }
     }
-    // Without terrain or a height, things are put on the ellipsoid: that is the ground shown then.
-    void standsOnFlat() {
-        if (!scene_.groundHeights && !scene_.ground)
+    // Without terrain or a height, what has no heights of its own was put on the ellipsoid: that is
+    // the ground shown then. Where others stand on is found from their bases.
+    void chooseFlatGround() {
+        constexpr double kOnEllipsoidMetres = 2.0;
+        if (scene_.groundHeights || scene_.ground)
+            return;
+        const bool flat = std::any_of(opened_.begin(), opened_.end(), [](const OpenedLayer& layer) {
+            return layer.layer.kind != nameOf(InputKind::Tileset) &&
+                   layer.layer.kind != nameOf(InputKind::Model) && layer.heights &&
+                   std::abs(layer.heights->base) < kOnEllipsoidMetres;
+        });
+        if (flat || !scene_.waters.empty())
             scene_.ground = GroundChoice{false, 0.0};
     }
 

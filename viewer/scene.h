@@ -56,8 +56,10 @@ struct Layer {
     bool stands(std::optional<UtcTime> time) const;
     bool placedByUser = false;
     bool onEarth = true; // always, unless SceneOptions::unplaced
-    // Of a raster: its own system, and pixels across and down.
+    // Of what is made: its own system, and what its heights were said to be above; of a raster also
+    // pixels across and down.
     std::optional<std::string> crs;
+    Heights heights = Heights::Ellipsoidal;
     std::optional<std::array<int, 2>> size;
     // What it was made from, to be asked: null for other kinds.
     std::shared_ptr<const Terrain> terrain;
@@ -73,6 +75,7 @@ struct WaterLook {
 struct WaterLayer {
     std::string uri;
     std::string kind; // "depth" or "stage"
+    Heights heights = Heights::Ellipsoidal;
     std::shared_ptr<const WaterSurface> surface;
     WaterLook look;
     // UTC of the data's 0 where its steps are not absolute: then the scene's own time, if it has

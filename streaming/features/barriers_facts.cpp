@@ -36,8 +36,7 @@ constexpr double kLeastHeight = 0.01, kMostHeight = 200.0;
 constexpr double kLeastWidth = 0.05, kMostWidth = 500.0;
 constexpr double kDeepestLevel = -1000.0, kHighestLevel = 1e4;
 // Wider than any barrier, and more than the flat plan it is drawn in may span.
-constexpr double kMostDegrees = 5.0;
-constexpr double kFarthestLatitude = 89.0;
+constexpr double kFarthestMetres = 500e3;
 
 BarrierMaterial materialOf(const Feature& feature) {
     for (const auto& [name, value] : feature.attributes) {
@@ -106,23 +105,20 @@ class Reader {
     }
 
     void addPart(const Feature& feature, const FeaturePart& part, BarrierFacts barrier) {
-        glm::dvec2 low(INFINITY), high(-INFINITY);
-        for (const FeatureRing& ring : part)
-            for (const glm::dvec3& p : ring) {
-                if (!std::isfinite(p.x) || !std::isfinite(p.y))
-                    return leaveOut(feature.id, "a vertex of it is not on the Earth");
-                low = glm::min(low, glm::dvec2(p));
-                high = glm::max(high, glm::dvec2(p));
-            }
         if (part.empty() || part.front().empty())
             return leaveOut(feature.id, "it has no vertices");
-        if (std::max(-low.y, high.y) > kFarthestLatitude)
-            return leaveOut(feature.id, "it lies at a pole");
-        // Also one across the antimeridian: it is said, not drawn round the Earth.
-        if (high.x - low.x > kMostDegrees || high.y - low.y > kMostDegrees)
-            return leaveOut(feature.id, "it spans more than 5 degrees");
+        for (const FeatureRing& ring : part)
+            for (const glm::dvec3& p : ring)
+                if (!ecefFromGeodetic({p.x, p.y, 0.0}))
+                    return leaveOut(feature.id, "a vertex of it is not on the Earth");
+        const glm::dvec3& first = part.front().front();
+        const Point<Ecef> start = ecefOf({first.x, first.y, 0.0});
+        for (const FeatureRing& ring : part)
+            for (const glm::dvec3& p : ring)
+                if (length(ecefOf({p.x, p.y, 0.0}) - start) > kFarthestMetres)
+                    return leaveOut(feature.id, "it is longer than 500 km");
         barrier.rings = part;
-        readCrest(feature, barrier, glm::dvec2(low + high) / 2.0);
+        readCrest(feature, barrier, glm::dvec2(first));
         barriers_.push_back(std::move(barrier));
     }
 

@@ -1,5 +1,6 @@
 #include "streaming/features/barriers_solid.h"
 
+#include "geo/plan_frame.h"
 #include "streaming/clean.h"
 #include "streaming/features/barriers_plan.h"
 
@@ -21,35 +22,14 @@ constexpr std::size_t kMostStations = 4000;
 constexpr std::size_t kMostVertices = 200000; // of what a file may hold in one polygon
 constexpr std::size_t kPieceVertices = 400;
 
-// A flat plan about a place, metres; off by less than a millimetre a kilometre.
-class PlanFrame {
-  public:
-    explicit PlanFrame(glm::dvec2 lonLat) : origin_(lonLat) {
-        // Radii of curvature along the parallel and the meridian.
-        constexpr double a = kEquatorialRadiusMetres, b = kPolarRadiusMetres;
-        const double s = std::sin(lonLat.y * kRadiansPerDegree);
-        const double c = std::cos(lonLat.y * kRadiansPerDegree);
-        const double w = std::sqrt(a * a * c * c + b * b * s * s);
-        metresPerDegree_ =
-            kRadiansPerDegree * glm::dvec2(a * a / w * c, a * a * b * b / (w * w * w));
-    }
-    glm::dvec2 plan(const glm::dvec3& p) const {
-        return (glm::dvec2(p) - origin_) * metresPerDegree_;
-    }
-    glm::dvec2 lonLat(const glm::dvec2& p) const { return origin_ + p / metresPerDegree_; }
-
-  private:
-    glm::dvec2 origin_, metresPerDegree_;
-};
-
+// About the middle of all vertices, found in space: a line may cross the antimeridian or a pole.
 PlanFrame frameAround(const FeaturePart& part) {
-    glm::dvec2 low(part[0][0]), high(low);
+    glm::dvec3 sum(0.0);
     for (const FeatureRing& ring : part)
-        for (const glm::dvec3& p : ring) {
-            low = glm::min(low, glm::dvec2(p));
-            high = glm::max(high, glm::dvec2(p));
-        }
-    return PlanFrame((low + high) / 2.0);
+        for (const glm::dvec3& p : ring)
+            sum += glm::normalize(ecefOf({p.x, p.y, 0.0}).xyz);
+    const Geodetic middle = geodeticOf({kEquatorialRadiusMetres * glm::normalize(sum)});
+    return PlanFrame({middle.longitudeDegrees, middle.latitudeDegrees});
 }
 
 // Heights along a course of stations, to be asked anywhere near it.
@@ -387,6 +367,11 @@ class Builder {
     double step_ = kStepMetres;
 };
 
+// In the plan, so that a line may cross the antimeridian or a pole.
+glm::dvec3 between(const PlanFrame& frame, const glm::dvec3& a, const glm::dvec3& b, double t) {
+    return {frame.lonLat(glm::mix(frame.plan(a), frame.plan(b), t)), glm::mix(a.z, b.z, t)};
+}
+
 // Segments no longer than half a piece, so that a piece can end in the middle of one.
 FeatureRing withShortSegments(const FeatureRing& line, const PlanFrame& frame) {
     FeatureRing out;
@@ -394,7 +379,8 @@ FeatureRing withShortSegments(const FeatureRing& line, const PlanFrame& frame) {
         const double length = glm::distance(frame.plan(line[i]), frame.plan(line[i + 1]));
         const int steps = std::max(1, int(std::ceil(2.0 * length / kMaxMeshExtentMetres)));
         for (int k = 0; k < steps; ++k)
-            out.push_back(glm::mix(line[i], line[i + 1], double(k) / steps));
+            out.push_back(k == 0 ? line[i]
+                                 : between(frame, line[i], line[i + 1], double(k) / steps));
     }
     out.push_back(line.back());
     return out;
@@ -410,7 +396,7 @@ std::vector<FeatureRing> piecesOf(const FeatureRing& whole) {
         return {whole};
     if (glm::dvec2(line.front()) == glm::dvec2(line.back())) {
         // Closed: begins and ends in the middle of a segment, so that no corner is left unmitred.
-        const glm::dvec3 middle = (line[0] + line[1]) / 2.0;
+        const glm::dvec3 middle = between(frame, line[0], line[1], 0.5);
         line.front() = middle;
         line.push_back(middle);
     }
@@ -421,7 +407,7 @@ std::vector<FeatureRing> piecesOf(const FeatureRing& whole) {
         pieces.back().push_back(line[i]);
         if (i + 2 < line.size() &&
             (sofar >= kMaxMeshExtentMetres || pieces.back().size() >= kPieceVertices)) {
-            const glm::dvec3 middle = (line[i] + line[i + 1]) / 2.0;
+            const glm::dvec3 middle = between(frame, line[i], line[i + 1], 0.5);
             pieces.back().push_back(middle);
             pieces.push_back({middle});
             sofar = 0.0;

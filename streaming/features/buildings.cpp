@@ -262,7 +262,9 @@ Buildings::of(FeatureFile file, const std::string& name, const BuildingOptions& 
     try {
         std::vector<BuildingBody> bodies = bodiesOf(file, name);
         if (bodies.empty())
-            return Error{name, "holds no outline or surface of a building"};
+            return Error{name, file.leftOut.empty() ? "holds no outline or surface of a building"
+                                                    : "holds no building that can be used: " +
+                                                          file.leftOut.front().message()};
         if (Failure failure = findHeights(bodies, options, name, file))
             return *failure;
         standOnGround(bodies, options, ground, file);

@@ -1,6 +1,6 @@
 // Where buildings begin and end: on the ground under them, by their height.
+#include "geo/plan_frame.h"
 #include "streaming/features/buildings_model.h"
-#include "streaming/features/plan_frame.h"
 
 #include <algorithm>
 #include <array>
@@ -28,21 +28,27 @@ constexpr int kMostSamplesAcross = 8;
 // Places under one outline: its vertices, what lies between them, and a grid inside.
 void addSamples(const BuildingBody& body, std::vector<glm::dvec2>& out) {
     const PlanFrame frame{glm::dvec2(body.west, body.south)};
+    const glm::dvec2 degrees(body.east - body.west, body.north - body.south);
     const glm::dvec2 extent = frame.plan(glm::dvec2(body.east, body.north));
     const double step = std::max(kSampleMetres, std::max(extent.x, extent.y) / kMostSamplesAcross);
     for (const FeaturePart& part : body.parts)
         for (const FeatureRing& ring : part)
             for (std::size_t i = 0; i < ring.size(); ++i) {
-                const glm::dvec2 a = frame.plan(ring[i]),
-                                 b = frame.plan(ring[(i + 1) % ring.size()]);
-                const int pieces = int(std::ceil(std::max(glm::length(b - a) / step, 1.0)));
+                const glm::dvec2 a(ring[i]), b(ring[(i + 1) % ring.size()]);
+                const glm::dvec2 along(std::remainder(b.x - a.x, 360.0), b.y - a.y);
+                const double metres = glm::length(frame.plan(b) - frame.plan(a));
+                const int pieces = int(std::ceil(std::max(metres / step, 1.0)));
                 for (int k = 0; k < pieces; ++k)
-                    out.push_back(frame.lonLat(a + (b - a) * (double(k) / pieces)));
+                    out.push_back(a + along * (double(k) / pieces));
             }
-    for (double y = step / 2.0; y < extent.y; y += step)
-        for (double x = step / 2.0; x < extent.x; x += step)
-            if (const glm::dvec2 place = frame.lonLat({x, y}); covers(body, place))
+    const glm::dvec2 cells = glm::ceil(glm::max(extent / step, glm::dvec2(1.0)));
+    for (double y = 0.5; y < cells.y; ++y)
+        for (double x = 0.5; x < cells.x; ++x) {
+            const glm::dvec2 place =
+                glm::dvec2(body.west, body.south) + degrees * glm::dvec2(x, y) / cells;
+            if (covers(body, place))
                 out.push_back(place);
+        }
 }
 
 // On several threads, as terrain is large and made for that.

@@ -1,7 +1,7 @@
 // Bodies of buildings as triangles: outlines put up with a roof, walls and an underside, faces in
 // space cut in their own planes.
+#include "geo/plan_frame.h"
 #include "streaming/features/buildings_model.h"
-#include "streaming/features/plan_frame.h"
 #include "streaming/features/triangulate.h"
 #include "streaming/features/vertex_color.h"
 
@@ -18,7 +18,7 @@ namespace gnomon {
 namespace {
 
 // Calm: walls of pale plaster, roofs a little darker and warmer.
-constexpr glm::dvec3 kWallColor(0.83, 0.81, 0.77), kRoofColor(0.70, 0.63, 0.58);
+constexpr glm::dvec3 kWallColor(0.83, 0.81, 0.77), kRoofColor(0.66, 0.60, 0.55);
 // Steeper than about 70 degrees is a wall.
 constexpr double kSteepest = 0.34;
 

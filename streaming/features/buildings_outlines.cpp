@@ -1,7 +1,7 @@
 // Outlines as they must be to be put up: none crosses itself, none is there twice.
+#include "geo/plan_frame.h"
 #include "streaming/features/buildings_model.h"
 #include "streaming/features/features_read.h"
-#include "streaming/features/plan_frame.h"
 #include "streaming/features/triangulate.h"
 
 #include <geos_c.h>
@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace gnomon {
@@ -53,15 +52,26 @@ double nearestHeight(const std::vector<PlanRing>& rings, const FeaturePart& part
     return z;
 }
 
+enum class Outline { Sound, Mended, NoArea, TooLong, TooTangled };
+
+// Cutting an outline into triangles takes time by their square.
+constexpr std::size_t kMostVertices = 100'000;
+
 struct Mended {
     std::vector<FeaturePart> parts;
-    bool changed = false;
+    Outline was = Outline::NoArea;
+    double areaSquareMetres = 0.0; // of the outer ring, roughly
 };
 
 Mended mended(const FeaturePart& raw) {
     FeaturePart part = withoutRepeats(raw);
     if (part.empty())
         return {};
+    std::size_t vertices = 0;
+    for (const FeatureRing& ring : part)
+        vertices += ring.size();
+    if (vertices > kMostVertices)
+        return {{}, Outline::TooLong};
     const PlanFrame frame{glm::dvec2(part[0][0])};
     std::vector<PlanRing> rings;
     for (const FeatureRing& ring : part) {
@@ -69,17 +79,22 @@ Mended mended(const FeaturePart& raw) {
         for (const glm::dvec3& p : ring)
             plan.push_back(frame.plan(p));
     }
+    const double covered = std::abs(signedArea(rings[0]));
     if (isSound(rings))
-        return {{std::move(part)}, false};
-    Mended out{{}, true};
+        return {{std::move(part)}, Outline::Sound, covered};
+    if (crossesTooOften(rings))
+        return {{}, Outline::TooTangled, covered};
+    Mended out{{}, Outline::Mended, covered};
     for (const PlanPolygon& area : validAreas(rings)) {
         FeaturePart& made = out.parts.emplace_back();
         for (const PlanRing& ring : area.rings) {
-            FeatureRing& vertices = made.emplace_back();
+            FeatureRing& corners = made.emplace_back();
             for (const glm::dvec2& p : ring)
-                vertices.emplace_back(frame.lonLat(p), nearestHeight(rings, part, p));
+                corners.emplace_back(frame.lonLat(p), nearestHeight(rings, part, p));
         }
     }
+    if (out.parts.empty())
+        out.was = Outline::NoArea;
     return out;
 }
 
@@ -220,32 +235,36 @@ class Outlines {
     std::vector<std::size_t> index_;
 };
 
+// "a, b, c and 29 more"
+std::string someOf(const std::vector<std::string>& ids) {
+    constexpr std::size_t kNamed = 3;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(ids.size(), kNamed); ++i)
+        text += (i == 0 ? "" : ", ") + ids[i];
+    return ids.size() > kNamed ? text + " and " + std::to_string(ids.size() - kNamed) + " more"
+                               : text;
+}
+
 void dropCovered(std::vector<BuildingBody>& bodies, FeatureFile& file) {
     std::vector<std::uint8_t> drop(bodies.size(), 0);
-    ManyLines twins("outlines that are there twice"), wholes("outlines whose parts are there");
+    std::vector<std::string> twins, wholes;
     {
         const Outlines outlines(bodies);
         for (std::size_t i = 0; i < bodies.size(); ++i) {
             const std::vector<std::size_t> inside = outlines.inside(i);
-            const auto twin = std::find_if(inside.begin(), inside.end(), [&](std::size_t j) {
+            const bool twin = std::any_of(inside.begin(), inside.end(), [&](std::size_t j) {
                 return j < i && !drop[j] && outlines.isTwin(i, j);
             });
-            if (twin != inside.end()) {
-                drop[i] = 1;
-                if (twins.add())
-                    file.notes.push_back(bodies[i].id + ": the same outline as " +
-                                         bodies[*twin].id + "; one of them is shown");
-            } else if (outlines.isCovered(i, inside)) {
-                drop[i] = 1;
-                if (wholes.add())
-                    file.notes.push_back(bodies[i].id + ": others cover its outline wholly; they "
-                                                        "are shown instead");
-            }
+            drop[i] = twin || outlines.isCovered(i, inside);
+            if (drop[i])
+                (twin ? twins : wholes).push_back(bodies[i].id);
         }
     }
-    for (const ManyLines* lines : {&twins, &wholes})
-        if (const auto rest = lines->rest())
-            file.notes.push_back(*rest);
+    if (!twins.empty())
+        file.notes.push_back(someOf(twins) + ": the same outline is there twice; one is shown");
+    if (!wholes.empty())
+        file.notes.push_back(someOf(wholes) +
+                             ": smaller outlines cover it wholly; they are shown instead");
     std::size_t i = 0;
     std::erase_if(bodies, [&](const BuildingBody&) { return drop[i++] != 0; });
 }
@@ -257,10 +276,12 @@ class Collector {
     std::vector<BuildingBody> run() {
         for (Feature& feature : file_.features)
             take(feature);
-        for (const ManyLines* lines : {&crossing_})
-            if (const auto rest = lines->rest())
-                file_.notes.push_back(*rest);
-        if (const auto rest = empty_.rest())
+        if (const auto rest = crossing_.rest())
+            file_.notes.push_back(*rest);
+        if (!vast_.empty())
+            file_.notes.push_back(someOf(vast_) +
+                                  ": larger than any building (1 km²); perhaps a district");
+        if (const auto rest = lost_.rest())
             file_.leftOut.push_back({name_, *rest});
         if (others_ > 0)
             file_.notes.push_back(std::to_string(others_) +
@@ -281,17 +302,14 @@ class Collector {
             takeFaces(feature, body);
         else
             takeOutlines(feature, body);
-        if (body.parts.empty()) {
-            if (empty_.add())
-                file_.leftOut.push_back({name_ + ", " + body.id, "its outline has no area"});
+        if (body.parts.empty())
             return;
-        }
         body.attributes = std::move(feature.attributes);
         findExtent(body);
         bodies_.push_back(std::move(body));
     }
 
-    static void takeFaces(Feature& feature, BuildingBody& body) {
+    void takeFaces(Feature& feature, BuildingBody& body) {
         for (FeaturePart& part : feature.parts) {
             bool placed = true;
             for (const FeatureRing& ring : part)
@@ -300,24 +318,45 @@ class Collector {
             if (placed && !part.empty())
                 body.parts.push_back(std::move(part));
         }
+        if (body.parts.empty())
+            leaveOut(body.id, "its surfaces have no heights");
     }
 
-    void takeOutlines(Feature& feature, BuildingBody& body) {
-        bool changed = false;
+    void takeOutlines(const Feature& feature, BuildingBody& body) {
+        constexpr double kVastSquareMetres = 1e6;
+        double area = 0.0;
+        bool wasMended = false;
         for (const FeaturePart& part : feature.parts) {
             Mended made = mended(part);
-            changed |= made.changed && !made.parts.empty();
+            wasMended |= made.was == Outline::Mended;
+            if (made.was == Outline::TooLong)
+                leaveOut(body.id, "its outline has more than " + std::to_string(kMostVertices) +
+                                      " vertices");
+            else if (made.was == Outline::TooTangled)
+                leaveOut(body.id, "its outline crosses itself too often to be mended");
+            else if (made.was == Outline::NoArea && feature.parts.size() == 1)
+                leaveOut(body.id, "its outline has no area");
             for (FeaturePart& one : made.parts)
                 body.parts.push_back(std::move(one));
+            area += made.areaSquareMetres;
         }
-        if (changed && crossing_.add())
+        if (area > kVastSquareMetres)
+            vast_.push_back(body.id);
+        if (wasMended && crossing_.add())
             file_.notes.push_back(body.id + ": its outline crosses itself; mended");
+    }
+
+    void leaveOut(const std::string& id, const std::string& reason) {
+        if (lost_.add())
+            file_.leftOut.push_back({name_ + ", " + id, reason});
     }
 
     FeatureFile& file_;
     const std::string& name_;
     std::vector<BuildingBody> bodies_;
-    ManyLines crossing_{"outlines that cross themselves; mended"}, empty_{"outlines without area"};
+    ManyLines crossing_{"outlines that cross themselves; mended"},
+        lost_{"buildings with such outlines"};
+    std::vector<std::string> vast_;
     std::size_t others_ = 0;
 };
 

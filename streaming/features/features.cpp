@@ -3,7 +3,6 @@
 #include "streaming/features/features_read.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <exception>

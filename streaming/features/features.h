@@ -1,6 +1,8 @@
-// Things with a shape and attributes, as people keep them: GeoJSON, GeoPackage, Shapefile (through
-// GDAL), CityJSON, and plain CSV files of the vertices of one polygon each (x,y lines, as flood
-// models keep their houses). For the user's own local files only.
+// Things with a shape and attributes, as people keep them: GeoJSON, GeoPackage, Shapefile,
+// FlatGeobuf, file geodatabases (through GDAL), CityJSON and its text sequences (buildings alone),
+// and plain CSV files of the vertices of one polygon each (x,y lines, as flood models keep their
+// houses) or, with a header that names more than coordinates, of a point a line. For the user's own
+// local files only.
 #pragma once
 
 #include "geo/crs.h"

@@ -214,7 +214,9 @@ class LayerReader {
         const char* name = reference->GetName();
         raw_.crsName = name != nullptr ? name : "its own system";
         if (authority != nullptr && code != nullptr) {
-            const std::string number = std::string(authority) + ":" + code;
+            std::string number = std::string(authority) + ":" + code;
+            if (number == "EPSG:3785") // withdrawn: the same as
+                number = "EPSG:3857";
             OGRSpatialReference known;
             if (known.SetFromUserInput(number.c_str()) == OGRERR_NONE &&
                 known.IsSame(reference, kSameBut.data()))
@@ -289,7 +291,9 @@ Failure readWithOgr(const std::string& path, std::vector<RawFeatures>& out, Feat
         if (layer->GetGeomType() == wkbNone)
             continue;
         RawFeatures raw = LayerReader(path, *layer, file).run();
-        raw.crsIsFormats = format.starts_with("GeoJSON");
+        raw.crsIsFormats = format.starts_with("GeoJSON") &&
+                           (raw.crsName == "EPSG:4326" || raw.crsName == "EPSG:4979" ||
+                            raw.crsName == "OGC:CRS84");
         if (!raw.features.empty())
             out.push_back(std::move(raw));
     }

@@ -44,14 +44,17 @@ std::optional<Placement> withoutOwnGeoid(const std::string& crs) {
     return Placement{std::move(*flat), unit};
 }
 
+// Most of its vertices could be longitude and latitude; a few may be wrong.
 bool areDegrees(const RawFeatures& raw) {
+    std::size_t could = 0, all = 0;
     for (const Feature& feature : raw.features)
         for (const FeaturePart& part : feature.parts)
             for (const FeatureRing& ring : part)
-                for (const glm::dvec3& p : ring)
-                    if (!(std::abs(p.x) <= 360.0) || !(std::abs(p.y) <= 90.0))
-                        return false;
-    return true;
+                for (const glm::dvec3& p : ring) {
+                    ++all;
+                    could += std::abs(p.x) <= 360.0 && std::abs(p.y) <= 90.0;
+                }
+    return 2 * could >= all;
 }
 
 // Which system the layer is in; the one given counts where the file names none.

@@ -39,11 +39,11 @@ unsigned variantOf(const TreeFacts& tree) {
 // Calm greens, those of viewer/place; no two trees quite the same.
 glm::dvec3 crownColor(const TreeFacts& tree) {
     const glm::dvec3 color =
-        tree.form == TreeForm::Broad ? glm::dvec3(0.36, 0.50, 0.24) : glm::dvec3(0.22, 0.38, 0.25);
-    const double warm = 0.05 * (part(tree.seed, 1) - 0.5);
+        tree.form == TreeForm::Broad ? glm::dvec3(0.37, 0.46, 0.28) : glm::dvec3(0.22, 0.38, 0.25);
+    const double warm = 0.06 * (part(tree.seed, 1) - 0.5);
     return color * (0.94 + 0.12 * part(tree.seed, 2)) + glm::dvec3(warm, 0.0, -0.5 * warm);
 }
-constexpr glm::dvec3 kTrunkColor(0.40, 0.31, 0.24);
+constexpr glm::dvec3 kTrunkColor(0.38, 0.32, 0.26);
 
 double deviation(const TreeFacts& tree, Stage stage) {
     if (stage == Stage::Near)

@@ -138,7 +138,7 @@ Solid refined(const Solid& coarse, unsigned variant) {
         if (fresh) {
             const glm::dvec3 &p = fine.positions[a], &q = fine.positions[b];
             const double out = (glm::length(p) + glm::length(q)) / 2.0;
-            const double rough = 0.97 + 0.1 * noise(variant, 3, at->second);
+            const double rough = 0.92 + 0.22 * noise(variant, 3, at->second);
             fine.positions.push_back(out * rough * glm::normalize(p + q));
         }
         return at->second;
@@ -162,7 +162,7 @@ Solid lumpyBall(unsigned variant) {
              p.y * std::sin(tilt) + p.z * std::cos(tilt)};
         p = {p.x * std::cos(turn) - p.y * std::sin(turn),
              p.x * std::sin(turn) + p.y * std::cos(turn), p.z};
-        p *= 0.86 + 0.28 * noise(variant, 1, i);
+        p *= 0.80 + 0.40 * noise(variant, 1, i);
     }
     return ball;
 }
@@ -184,7 +184,8 @@ Solid broadCrown(unsigned variant, bool fine, double swell) {
     Solid out = fine ? detailed : ball;
     for (glm::dvec3& p : out.positions) {
         p *= swell;
-        const double z = p.z > 0.0 ? kBroadMiddle + p.z / high * (1.0 - kBroadMiddle)
+        // Fuller above than a ball: shoulders, not an egg.
+        const double z = p.z > 0.0 ? kBroadMiddle + std::pow(p.z / high, 0.8) * (1.0 - kBroadMiddle)
                                    : kBroadMiddle + p.z / low * (kBroadFoot - kBroadMiddle);
         p = {p.x / wide, p.y / wide, z};
     }
@@ -192,7 +193,7 @@ Solid broadCrown(unsigned variant, bool fine, double swell) {
 }
 
 // Of the crown's radius; a young tree's and an old one's trunk are both near it.
-constexpr double kTrunkRadius = 0.09;
+constexpr double kTrunkRadius = 0.07;
 
 Solid trunk(double topZ) {
     return turned(std::array{Ring{kTrunkRadius, -kTreeRootDepth}, Ring{0.75 * kTrunkRadius, topZ}},
@@ -215,7 +216,7 @@ TreeShape broadShape(unsigned variant, TreeDetail detail) {
     TreeShape shape;
     switch (detail) {
     case TreeDetail::Near:
-        addSolid(shape, broadCrown(variant, true, 1.0), false, 0.6, kBroadMiddle);
+        addSolid(shape, broadCrown(variant, true, 1.0), false, 0.45, kBroadMiddle);
         addSolid(shape, trunk(kBroadMiddle), true, 0.0, 0.0);
         break;
     case TreeDetail::Far:

@@ -2,6 +2,7 @@
 
 #include <geos_c.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -131,6 +132,32 @@ bool isSound(std::span<const PlanRing> rings) {
     const bool sound = polygon != nullptr && GEOSisValid_r(geos, polygon) == 1;
     GEOSGeom_destroy_r(geos, polygon);
     return sound;
+}
+
+bool crossesTooOften(std::span<const PlanRing> rings) {
+    // Enough for any outline drawn or digitised, and for what is looked at to find them.
+    constexpr std::size_t kMostCrossings = 2000, kMostLooks = 100'000'000;
+    struct Edge {
+        glm::dvec2 a, b;
+    };
+    std::vector<Edge> edges; // from west to east
+    for (const PlanRing& ring : rings)
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const glm::dvec2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+            edges.push_back(a.x <= b.x ? Edge{a, b} : Edge{b, a});
+        }
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& e, const Edge& f) { return e.a.x < f.a.x; });
+    std::size_t crossings = 0, looks = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+        for (std::size_t j = i + 1; j < edges.size() && edges[j].a.x <= edges[i].b.x; ++j) {
+            const Edge &e = edges[i], &f = edges[j];
+            crossings += cross(e.a, e.b, f.a) * cross(e.a, e.b, f.b) < 0.0 &&
+                         cross(f.a, f.b, e.a) * cross(f.a, f.b, e.b) < 0.0;
+            if (crossings > kMostCrossings || ++looks > kMostLooks)
+                return true;
+        }
+    return false;
 }
 
 Corners cornersOf(const PlanPolygon& polygon) {

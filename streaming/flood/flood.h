@@ -31,8 +31,8 @@ struct FloodGeometry {
     std::vector<float> cellArea; // square metres that a node stands for
     // Counter-clockwise seen from above; between neighbouring nodes. Empty for a grid.
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    // Of a grid: node = row * columns + column, two triangles between each four, and the rim's nodes
-    // stand for the whole of their cells, half a cell further out than they lie. Else 0.
+    // Of a grid: node = row * columns + column, two triangles between each four, and the rim's
+    // nodes stand for the whole of their cells, half a cell further out than they lie. Else 0.
     int columns = 0, rows = 0;
 };
 

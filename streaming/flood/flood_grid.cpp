@@ -98,8 +98,7 @@ class Placer {
     }
 
     bool isSmooth(glm::ivec2 low, glm::ivec2 high, const std::array<Place, 4>& corners) {
-        if (!std::all_of(corners.begin(), corners.end(),
-                         [](const Place& p) { return p.exists(); }))
+        if (!std::all_of(corners.begin(), corners.end(), [](const Place& p) { return p.exists(); }))
             return false;
         // A thousandth of a cell, as the diagonal tells its size.
         const glm::dvec2 across(turnTo(corners[0].lonLat.x, corners[3].lonLat.x, 360.0),
@@ -107,8 +106,11 @@ class Placer {
         const glm::dvec2 cells = glm::dvec2(high - low);
         const double slack = 1e-3 * glm::length(across) / glm::length(cells);
         const glm::ivec2 middle = (low + high) / 2;
-        for (const glm::ivec2 at : {middle, glm::ivec2(middle.x, low.y), {middle.x, high.y},
-                                    glm::ivec2(low.x, middle.y), {high.x, middle.y}}) {
+        for (const glm::ivec2 at : {middle,
+                                    glm::ivec2(middle.x, low.y),
+                                    {middle.x, high.y},
+                                    glm::ivec2(low.x, middle.y),
+                                    {high.x, middle.y}}) {
             const glm::dvec2 share = glm::dvec2(at - low) / cells;
             const Place guess = between(corners, share.x, share.y), there = exact(at.x, at.y);
             constexpr double kLiftMetres = 1e-3;
@@ -175,10 +177,10 @@ void measureCells(int columns, int rows, GridPlaces& places) {
                 const glm::dvec2 way(turnTo(before.x, after.x, 360.0), after.y - before.y);
                 return steps > 0.0 ? way / steps : glm::dvec2(0.0);
             };
-            const double area = std::isfinite(here.x)
-                                    ? 2.0 * areaOnEarth({here, here + along(false),
-                                                         here + along(true)})
-                                    : 0.0;
+            const double area =
+                std::isfinite(here.x)
+                    ? 2.0 * areaOnEarth({here, here + along(false), here + along(true)})
+                    : 0.0;
             places.cellArea.push_back(float(std::abs(area)));
         }
 }
@@ -201,9 +203,9 @@ GridThinning GridThinning::of(int width, int height) {
 std::string GridThinning::note(int width, int height) const {
     if (step == 1)
         return {};
-    return "of its " + std::to_string(width) + " x " + std::to_string(height) +
-           " pixels every " + std::to_string(step) + "th across and down is shown, " +
-           std::to_string(columns) + " x " + std::to_string(rows);
+    return "of its " + std::to_string(width) + " x " + std::to_string(height) + " pixels every " +
+           std::to_string(step) + "th across and down is shown, " + std::to_string(columns) +
+           " x " + std::to_string(rows);
 }
 
 Result<GridPlaces> placeGrid(const std::string& path, int columns, int rows,

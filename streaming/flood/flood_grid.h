@@ -24,6 +24,10 @@ struct GridThinning {
 
     static GridThinning of(int width, int height);
     std::string note(int width, int height) const; // "" when all are taken
+    // Two nodes each way, all of them in the file: not so for what is very long and narrow.
+    bool fits(int width, int height) const {
+        return columns >= 2 && rows >= 2 && first < width && first < height;
+    }
     std::size_t nodes() const { return std::size_t(columns) * std::size_t(rows); }
 };
 

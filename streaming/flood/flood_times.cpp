@@ -123,16 +123,15 @@ void sayGaps(const FloodSteps& steps, const std::vector<std::string>& names, Flo
     for (std::size_t i = 0; i < gaps.size(); ++i)
         if (gaps[i] > 1.5 * usual) {
             if (first.empty())
-                first = "between " + names[steps.source[i]] + " and " +
-                        names[steps.source[i + 1]] + " lie " + spanOf(gaps[i]) + ", not " +
-                        spanOf(usual) + ": steps may be missing, the water between is interpolated";
+                first = "between " + names[steps.source[i]] + " and " + names[steps.source[i + 1]] +
+                        " lie " + spanOf(gaps[i]) + ", not " + spanOf(usual) +
+                        ": steps may be missing, the water between is interpolated";
             else
                 ++more;
         }
     if (!first.empty())
-        saying.notes.push_back(first +
-                               (more > 0 ? "; so it is in " + std::to_string(more) + " more places"
-                                         : ""));
+        saying.notes.push_back(
+            first + (more > 0 ? "; so it is in " + std::to_string(more) + " more places" : ""));
 }
 
 } // namespace
@@ -160,8 +159,8 @@ FloodSteps stepsByTime(const std::vector<double>& seconds, bool absolute,
     for (const std::size_t i : order) {
         if (!steps.seconds.empty() && !(seconds[i] > steps.seconds.back())) {
             saying.leftOut.push_back(
-                {names[i], "has the same time as " + names[steps.source.back()] +
-                               "; this step is left out"});
+                {names[i],
+                 "has the same time as " + names[steps.source.back()] + "; this step is left out"});
             continue;
         }
         steps.seconds.push_back(seconds[i]);
@@ -200,10 +199,10 @@ FloodSteps stepsByName(const std::vector<std::string>& names, const FloodOptions
     bool absolute = false;
     const auto byNumber = [&](double stepSeconds) {
         for (std::size_t i = 0; i < names.size(); ++i)
-            seconds[i] = stepSeconds * (numbers ? (*numbers)[i] - *std::min_element(
-                                                                      numbers->begin(),
-                                                                      numbers->end())
-                                                : double(i));
+            seconds[i] =
+                stepSeconds *
+                (numbers ? (*numbers)[i] - *std::min_element(numbers->begin(), numbers->end())
+                         : double(i));
     };
     if (options.stepSeconds) {
         byNumber(*options.stepSeconds);

@@ -31,8 +31,8 @@ struct LocalPlane {
     glm::dvec2 middle{0.0}, metresPerDegree{1.0};
 
     glm::dvec2 metres(glm::dvec2 lonLat) const {
-        return metresPerDegree * glm::dvec2(std::remainder(lonLat.x - middle.x, 360.0),
-                                            lonLat.y - middle.y);
+        return metresPerDegree *
+               glm::dvec2(std::remainder(lonLat.x - middle.x, 360.0), lonLat.y - middle.y);
     }
     glm::dvec2 lonLat(glm::dvec2 metres) const {
         const glm::dvec2 p = middle + metres / metresPerDegree;
@@ -48,8 +48,7 @@ struct LocalPlane {
             };
             return glm::dot(end(1.0) - end(-1.0), axis) / (2.0 * kDegrees);
         };
-        return {lonLat,
-                {along({kDegrees, 0.0}, axes[0]), along({0.0, kDegrees}, axes[1])}};
+        return {lonLat, {along({kDegrees, 0.0}, axes[0]), along({0.0, kDegrees}, axes[1])}};
     }
 };
 
@@ -198,9 +197,7 @@ struct GroundGrid {
     std::vector<glm::dvec2> lonLat;
     std::vector<double> heights; // NaN: none
 
-    glm::dvec2 place(int column, int row) const {
-        return low + spacing * glm::dvec2(column, row);
-    }
+    glm::dvec2 place(int column, int row) const { return low + spacing * glm::dvec2(column, row); }
     std::size_t index(int column, int row) const {
         return std::size_t(row) * std::size_t(columns) + std::size_t(column);
     }
@@ -430,8 +427,8 @@ Result<std::shared_ptr<const FloodData>> openPointFlood(const std::string& path,
     std::vector<ObservedPoint> points;
     for (std::size_t i = 0; i < table->points.size(); ++i) {
         const double lift = flood->kind_ == WaterKind::Stage ? placed->liftMetres[i] : 0.0f;
-        points.push_back({placed->lonLat[i], table->points[i].value + lift,
-                          std::move(table->points[i].name)});
+        points.push_back(
+            {placed->lonLat[i], table->points[i].value + lift, std::move(table->points[i].name)});
     }
     flood->points_ = merged(std::move(points), flood->plane_, flood->notes);
     std::vector<glm::dvec2> places;

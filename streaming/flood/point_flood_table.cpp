@@ -135,18 +135,17 @@ Result<std::size_t> valueColumn(const std::string& path, const std::vector<std::
     for (std::size_t i = 0; i < columns.size(); ++i) {
         if (options.variable && lower(columns[i]) == lower(*options.variable))
             return i;
-        const bool fits = options.variable
-                              ? lower(columns[i]).find(lower(*options.variable)) !=
-                                    std::string::npos
-                              : speaksOfWater(columns[i]);
+        const bool fits =
+            options.variable ? lower(columns[i]).find(lower(*options.variable)) != std::string::npos
+                             : speaksOfWater(columns[i]);
         if (fits)
             found.push_back(i);
     }
     if (found.empty())
-        return Error{path, (options.variable ? "has no column '" + shortened(*options.variable) +
-                                                   "'; it has "
-                                             : std::string("which of its columns is the level? "
-                                                           "It has ")) +
+        return Error{path, (options.variable
+                                ? "has no column '" + shortened(*options.variable) + "'; it has "
+                                : std::string("which of its columns is the level? "
+                                              "It has ")) +
                                listed(columns)};
     std::vector<std::size_t> stages;
     for (const std::size_t i : found)
@@ -293,9 +292,9 @@ Result<LevelTable> readFeatures(const std::string& path, const FloodOptions& opt
     layer->ResetReading();
     while (const OGRFeatureUniquePtr feature{layer->GetNextFeature()}) {
         const OGRGeometry* geometry = feature->GetGeometryRef();
-        const bool isPoint =
-            geometry != nullptr && wkbFlatten(geometry->getGeometryType()) == wkbPoint &&
-            !geometry->IsEmpty();
+        const bool isPoint = geometry != nullptr &&
+                             wkbFlatten(geometry->getGeometryType()) == wkbPoint &&
+                             !geometry->IsEmpty();
         const bool set = own || feature->IsFieldSetAndNotNull(int(*value));
         if (!isPoint || !set) {
             ++leftOut;
@@ -308,10 +307,10 @@ Result<LevelTable> readFeatures(const std::string& path, const FloodOptions& opt
             continue;
         }
         const std::string name = id ? trimmed(feature->GetFieldAsString(int(*id))) : "";
-        table.points.push_back({{point->getX(), point->getY()},
-                                v,
-                                name.empty() ? std::to_string(table.points.size() + leftOut + 1)
-                                             : shortened(name)});
+        table.points.push_back(
+            {{point->getX(), point->getY()},
+             v,
+             name.empty() ? std::to_string(table.points.size() + leftOut + 1) : shortened(name)});
     }
     sayLeftOut(leftOut, table);
     return table;

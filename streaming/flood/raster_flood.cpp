@@ -118,8 +118,8 @@ Result<RasterFiles> openFiles(const std::vector<std::string>& paths, const Flood
                                  raster->height() != files.first->height()))
             wrong = Error{path, "has " + size(*raster) + " pixels, the steps before it " +
                                     size(*files.first)};
-        else if (files.first && (raster->crsName() != files.first->crsName() ||
-                                 !liesAlike(*files.first, *raster)))
+        else if (files.first &&
+                 (raster->crsName() != files.first->crsName() || !liesAlike(*files.first, *raster)))
             wrong = Error{path, "does not lie where the steps before it do"};
         if (wrong) {
             if (paths.size() == 1)
@@ -197,6 +197,8 @@ void GridFlood::setSteps(FloodSteps steps, std::unique_ptr<const GridSource> sou
     kind_ = kind;
     if (!source_->hasVelocity())
         eastOfX_ = {};
+    else if (source_->velocityIsEastNorth())
+        eastOfX_.assign(eastOfX_.size(), 0.0f);
 }
 
 Result<std::vector<float>> GridFlood::values(std::size_t step) const {
@@ -263,6 +265,8 @@ Result<std::shared_ptr<const FloodData>> openRasterFlood(const std::vector<std::
     flood->notes = first.notes();
 
     const GridThinning thinning = GridThinning::of(first.width(), first.height());
+    if (!thinning.fits(first.width(), first.height()))
+        return Error{path, "is too long and narrow to be shown: " + size(first) + " pixels"};
     const auto position = [&](int column, int row) {
         return first.at(thinning.first + column * thinning.step + 0.5,
                         thinning.first + row * thinning.step + 0.5);

@@ -21,7 +21,9 @@ class GridSource {
     virtual ~GridSource() = default;
     virtual Result<std::vector<float>> water(std::size_t source) const = 0; // NaN: no data
     virtual bool hasVelocity() const { return false; }
-    virtual Result<std::vector<glm::vec2>> velocity(std::size_t source) const; // along x and y
+    // Along the file's x and y, or along east and north.
+    virtual Result<std::vector<glm::vec2>> velocity(std::size_t source) const;
+    virtual bool velocityIsEastNorth() const { return false; }
 };
 
 class GridFlood : public FloodData {

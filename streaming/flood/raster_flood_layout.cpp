@@ -51,24 +51,12 @@ constexpr std::array kStandardNames = std::to_array<NamedRole>({
 
 // As models write them; the surest first.
 constexpr std::array kNames = std::to_array<NamedRole>({
-    {"zs", GridRole::Stage},
-    {"zsmax", GridRole::Stage},
-    {"s1", GridRole::Stage},
-    {"stage", GridRole::Stage},
-    {"wse", GridRole::Stage},
-    {"wsl", GridRole::Stage},
-    {"eta", GridRole::Stage},
-    {"zeta", GridRole::Stage},
-    {"h", GridRole::Depth},
-    {"hmax", GridRole::Depth},
-    {"d", GridRole::Depth},
-    {"zb", GridRole::Bed},
-    {"dem", GridRole::Bed},
-    {"dtm", GridRole::Bed},
-    {"z", GridRole::Bed},
-    {"u", GridRole::VelocityX},
-    {"v", GridRole::VelocityY},
-    {"ucx", GridRole::VelocityX},
+    {"zs", GridRole::Stage},      {"zsmax", GridRole::Stage}, {"s1", GridRole::Stage},
+    {"stage", GridRole::Stage},   {"wse", GridRole::Stage},   {"wsl", GridRole::Stage},
+    {"eta", GridRole::Stage},     {"zeta", GridRole::Stage},  {"h", GridRole::Depth},
+    {"hmax", GridRole::Depth},    {"d", GridRole::Depth},     {"zb", GridRole::Bed},
+    {"dem", GridRole::Bed},       {"dtm", GridRole::Bed},     {"z", GridRole::Bed},
+    {"u", GridRole::VelocityX},   {"v", GridRole::VelocityY}, {"ucx", GridRole::VelocityX},
     {"ucy", GridRole::VelocityY},
 });
 
@@ -94,8 +82,8 @@ constexpr std::array kWords = std::to_array<NamedRole>({
 });
 
 // Depths of something else.
-constexpr std::array kOtherWords = {"infiltr", "rain", "precip", "snow", "cumul", "hazard",
-                                    "wave",    "soil", "time",   "duration"};
+constexpr std::array kOtherWords = {"infiltr", "rain", "precip", "snow", "cumul",
+                                    "hazard",  "wave", "soil",   "time", "duration"};
 
 bool isLength(const std::string& unit) {
     const std::string u = lower(unit);
@@ -115,14 +103,16 @@ void findRole(GridVariable& field) {
     const std::string standard = lower(field.variable.text("standard_name").value_or(""));
     std::string words = name + " " + lower(field.variable.text("long_name").value_or(""));
     std::replace(words.begin(), words.end(), ' ', '_');
-    field.isMaximum = (standard + words).find("max") != std::string::npos ||
-                      lower(field.variable.text("cell_methods").value_or("")).find("max") !=
-                          std::string::npos;
+    field.isMaximum =
+        (standard + words).find("max") != std::string::npos ||
+        lower(field.variable.text("cell_methods").value_or("")).find("max") != std::string::npos;
     for (std::size_t i = 0; i < kStandardNames.size(); ++i)
         if (standard == kStandardNames[i].name) {
             field.role = kStandardNames[i].role;
             field.rank = 0;
             field.because = "standard name " + standard;
+            field.isEastNorth =
+                standard.starts_with("eastward") || standard.starts_with("northward");
             return;
         }
     if (std::any_of(kOtherWords.begin(), kOtherWords.end(),
@@ -159,8 +149,8 @@ AxisOf axisOf(const ArrayVariable& variable) {
     const auto isOne = [](const std::string& text, std::initializer_list<const char*> of) {
         return std::any_of(of.begin(), of.end(), [&](const char* w) { return text == w; });
     };
-    const bool degrees = unit.starts_with("degree") || standard == "longitude" ||
-                         standard == "latitude";
+    const bool degrees =
+        unit.starts_with("degree") || standard == "longitude" || standard == "latitude";
     if (standard == "longitude" || standard == "projection_x_coordinate" ||
         unit.starts_with("degrees_e") || unit.starts_with("degree_e"))
         return {Axis::X, degrees};
@@ -174,8 +164,8 @@ AxisOf axisOf(const ArrayVariable& variable) {
     return {};
 }
 
-// Coordinates cannot be more than this many: the grid itself would not fit.
-constexpr std::uint64_t kMostCells = 1u << 28;
+// No result has more; a file that claims it means to fill the memory.
+constexpr std::uint64_t kMostCells = 1u << 28, kMostSteps = 100'000;
 
 std::string listed(const std::vector<GridVariable>& variables) {
     constexpr std::size_t kMost = 12;
@@ -241,7 +231,8 @@ std::vector<GridVariable> findGridVariables(const ArrayFile& file) {
         if (field.hasTime())
             field.steps = dimensions[0].size;
         // Layers, ensembles and the like: only where there is one.
-        if (field.steps == 0 || (dimensions.size() == 4 && dimensions[1].size != 1))
+        if (field.steps == 0 || field.steps > kMostSteps ||
+            (dimensions.size() == 4 && dimensions[1].size != 1))
             continue;
         if (axisOf(*variable).axis != Axis::None)
             continue;
@@ -266,14 +257,12 @@ Result<GridVariable> chooseWater(const ArrayFile& file, const std::vector<GridVa
     }
     std::vector<const GridVariable*> waters;
     for (const GridVariable& v : variables)
-        if ((v.role == GridRole::Stage || v.role == GridRole::Depth) &&
-            isLength(v.variable.unit()))
+        if ((v.role == GridRole::Stage || v.role == GridRole::Depth) && isLength(v.variable.unit()))
             waters.push_back(&v);
     const auto order = [&](const GridVariable* v) {
-        const bool asked = !options.kind || (v->role == GridRole::Depth) ==
-                                                (*options.kind == WaterKind::Depth);
-        return std::tuple(!asked, v->steps == 1, v->isMaximum, v->rank,
-                          v->role == GridRole::Depth);
+        const bool asked =
+            !options.kind || (v->role == GridRole::Depth) == (*options.kind == WaterKind::Depth);
+        return std::tuple(!asked, v->steps == 1, v->isMaximum, v->rank, v->role == GridRole::Depth);
     };
     std::stable_sort(waters.begin(), waters.end(),
                      [&](const auto* a, const auto* b) { return order(a) < order(b); });
@@ -283,8 +272,7 @@ Result<GridVariable> chooseWater(const ArrayFile& file, const std::vector<GridVa
             continue;
         }
         notes.push_back("of its variables '" + shortened(v->variable.name()) + "' is shown, as " +
-                        (v->role == GridRole::Depth ? "depth" : "level") + " (" + v->because +
-                        ")");
+                        (v->role == GridRole::Depth ? "depth" : "level") + " (" + v->because + ")");
         return *v;
     }
     // A file of one variable, whatever it is called.
@@ -292,10 +280,10 @@ Result<GridVariable> chooseWater(const ArrayFile& file, const std::vector<GridVa
         return variables.front();
     if (!waters.empty())
         return Error{file.path(), "holds no water: " + notes.back()};
-    return Error{file.path(), variables.empty()
-                                  ? "holds no numbers over a grid"
-                                  : "which of its variables is the water? Name one: " +
-                                        listed(variables)};
+    return Error{file.path(),
+                 variables.empty()
+                     ? "holds no numbers over a grid"
+                     : "which of its variables is the water? Name one: " + listed(variables)};
 }
 
 } // namespace
@@ -317,8 +305,9 @@ Result<GridFields> chooseGridFields(const ArrayFile& file, const FloodOptions& o
     } else if (options.kind) {
         fields.kind = *options.kind;
     } else {
-        return Error{file.path(), "is its variable '" + fields.water.variable.name() +
-                                      "' depth or level? Say depth=FILE or stage=FILE",
+        return Error{file.path(),
+                     "is its variable '" + fields.water.variable.name() +
+                         "' depth or level? Say depth=FILE or stage=FILE",
                      ErrorKind::Usage};
     }
     for (const GridVariable& v : variables) {
@@ -336,8 +325,8 @@ Result<GridFields> chooseGridFields(const ArrayFile& file, const FloodOptions& o
             better(fields.velocityY);
     }
     if (fields.bed)
-        notes.push_back("its bed is '" + fields.bed->variable.name() + "' (" +
-                        fields.bed->because + ")");
+        notes.push_back("its bed is '" + fields.bed->variable.name() + "' (" + fields.bed->because +
+                        ")");
     return fields;
 }
 
@@ -399,11 +388,10 @@ Result<GridCoordinates> findGridCoordinates(const ArrayFile& file, const GridVar
     const auto& over = water.variable.dimensions();
     auto down = alongDimension(file, over[over.size() - 2].name);
     auto across = alongDimension(file, over[over.size() - 1].name);
-    const bool fit = down && across && down->first.size() == water.rows &&
-                     across->first.size() == water.columns;
+    const bool fit =
+        down && across && down->first.size() == water.rows && across->first.size() == water.columns;
     // Numbers along a dimension may be mere counts.
-    const bool known =
-        fit && down->second.axis != Axis::None && across->second.axis != Axis::None;
+    const bool known = fit && down->second.axis != Axis::None && across->second.axis != Axis::None;
     if (!known)
         if (auto each = coordinatesOfEach(file, water);
             each && each->x.size() == water.rows * water.columns &&
@@ -418,8 +406,8 @@ Result<GridCoordinates> findGridCoordinates(const ArrayFile& file, const GridVar
         out.y = std::move(turned ? across->first : down->first);
         return out;
     }
-    return Error{file.path(), "does not say where the rows and columns of '" +
-                                  water.variable.name() + "' lie"};
+    return Error{file.path(),
+                 "does not say where the rows and columns of '" + water.variable.name() + "' lie"};
 }
 
 namespace {

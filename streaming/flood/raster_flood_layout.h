@@ -19,6 +19,7 @@ struct GridVariable {
     GridRole role = GridRole::None;
     int rank = 0; // smaller is surer
     bool isMaximum = false;
+    bool isEastNorth = false;          // of a velocity: not along the grid's own axes
     std::size_t rows = 0, columns = 0; // its last two dimensions
     std::uint64_t steps = 1;           // its first, where it is one of time
     std::string because;               // what told the role
@@ -43,9 +44,9 @@ Result<GridFields> chooseGridFields(const ArrayFile& file, const FloodOptions& o
 // Where the rows and columns are: two arrays of all nodes, or one a dimension.
 struct GridCoordinates {
     std::vector<double> x, y;
-    bool each = false;         // a pair for each node
+    bool each = false;          // a pair for each node
     bool xRunsAlongRows = true; // x has one a column, y one a row; else the other way round
-    bool degrees = false;      // longitude and latitude
+    bool degrees = false;       // longitude and latitude
 };
 Result<GridCoordinates> findGridCoordinates(const ArrayFile& file, const GridVariable& water);
 

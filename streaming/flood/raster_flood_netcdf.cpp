@@ -1,5 +1,7 @@
 #include "streaming/flood/raster_flood.h"
 #include "streaming/flood/raster_flood_layout.h"
+#include "streaming/flood/unstructured_hdf5_check.h"
+#include "streaming/flood/unstructured_netcdf_header.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +78,9 @@ class CfSource final : public GridSource {
             return g.fields.velocityX && g.fields.velocityY;
         });
     }
+    bool velocityIsEastNorth() const override {
+        return grids_.front().fields.velocityX->isEastNorth;
+    }
     Result<std::vector<glm::vec2>> velocity(std::size_t source) const override {
         const Step& step = steps_[source];
         const GridFields& fields = grids_[step.grid].fields;
@@ -100,16 +105,14 @@ class CfSource final : public GridSource {
 struct EvenGrid {
     glm::dvec2 corner, across, down;
 };
-std::optional<EvenGrid> evenGrid(const GridCoordinates& at, std::size_t columns,
-                                 std::size_t rows) {
+std::optional<EvenGrid> evenGrid(const GridCoordinates& at, std::size_t columns, std::size_t rows) {
     const auto place = [&](std::size_t c, std::size_t r) {
         const std::size_t i = r * columns + c;
         if (at.each)
             return glm::dvec2(at.x[i], at.y[i]);
         return at.xRunsAlongRows ? glm::dvec2(at.x[c], at.y[r]) : glm::dvec2(at.x[r], at.y[c]);
     };
-    const EvenGrid grid{place(0, 0),
-                        (place(columns - 1, 0) - place(0, 0)) / double(columns - 1),
+    const EvenGrid grid{place(0, 0), (place(columns - 1, 0) - place(0, 0)) / double(columns - 1),
                         (place(0, rows - 1) - place(0, 0)) / double(rows - 1)};
     const double area = std::abs(grid.across.x * grid.down.y - grid.across.y * grid.down.x);
     if (!(area > 0.0))
@@ -166,8 +169,7 @@ Failure placeNodes(const ArrayFile& file, const GridFields& fields, const GridTh
             return even->corner + double(c) * even->across + double(r) * even->down;
         if (at->each)
             return glm::dvec2(at->x[r * columns + c], at->y[r * columns + c]);
-        return at->xRunsAlongRows ? glm::dvec2(at->x[c], at->y[r])
-                                  : glm::dvec2(at->x[r], at->y[c]);
+        return at->xRunsAlongRows ? glm::dvec2(at->x[c], at->y[r]) : glm::dvec2(at->x[r], at->y[c]);
     };
     Result<GridPlaces> places = placeGrid(file.path(), thinning.columns, thinning.rows, position,
                                           even.has_value(), *crs, options);
@@ -212,11 +214,12 @@ void addCredits(const ArrayFile& file, FloodData& flood) {
 
 namespace {
 
-Result<ArrayFile> openNetCdf(const std::string& path) {
-    Result<ArrayFile> file = ArrayFile::open(path, ArrayFile::Format::NetCdf);
-    if (!file)
-        return file;
-    return file;
+// libnetcdf and libhdf5 crash, or read for minutes, on files that are damaged.
+Result<ArrayFile> openSound(const std::string& path) {
+    const bool isHdf5 = ArrayFile::formatOf(path) == ArrayFile::Format::Hdf5;
+    if (const Failure wrong = isHdf5 ? checkHdf5(path) : checkClassicNetCdf(path))
+        return *wrong;
+    return ArrayFile::open(path, ArrayFile::Format::NetCdf);
 }
 
 // Opens the first and those others that fit it.
@@ -225,9 +228,8 @@ Result<std::vector<CfGrid>> openGrids(const std::vector<std::string>& paths,
                                       FileSteps& steps) {
     std::vector<CfGrid> grids;
     GridThinning thinning;
-    std::string reason;
     for (const std::string& path : paths) {
-        const Result<ArrayFile> file = openNetCdf(path);
+        const Result<ArrayFile> file = openSound(path);
         Failure wrong;
         std::vector<std::string> notes;
         Result<GridFields> fields = file ? chooseGridFields(*file, options, notes) : file.error();
@@ -235,7 +237,9 @@ Result<std::vector<CfGrid>> openGrids(const std::vector<std::string>& paths,
             wrong = fields.error();
         } else if (grids.empty()) {
             thinning = GridThinning::of(int(fields->water.columns), int(fields->water.rows));
-            wrong = placeNodes(*file, *fields, thinning, options, flood);
+            wrong = thinning.fits(int(fields->water.columns), int(fields->water.rows))
+                        ? placeNodes(*file, *fields, thinning, options, flood)
+                        : Error{path, "is too long and narrow to be shown"};
         } else if (fields->water.rows != grids.front().fields.water.rows ||
                    fields->water.columns != grids.front().fields.water.columns ||
                    fields->kind != grids.front().fields.kind) {
@@ -289,8 +293,7 @@ Result<std::shared_ptr<const FloodData>> openGridNetCdf(const std::vector<std::s
     if (steps.seconds.empty())
         return Error{paths.front(), "has no step of time"};
     const WaterKind kind = fields.kind;
-    auto source =
-        std::make_unique<CfSource>(std::move(*grids), std::move(told.steps), thinning);
+    auto source = std::make_unique<CfSource>(std::move(*grids), std::move(told.steps), thinning);
     flood->setSteps(std::move(steps), std::move(source), kind);
     return std::shared_ptr<const FloodData>(std::move(flood));
 }

@@ -75,8 +75,8 @@ class PatchBuilder {
     std::uint32_t atNode(std::uint32_t node) {
         std::uint32_t& vertex = vertexOf_[node];
         if (vertex == kNone) {
-            vertex = put(nodes_.lonLat(node), wet_.level(node), moment_.depths[node],
-                         velocity(node));
+            vertex =
+                put(nodes_.lonLat(node), wet_.level(node), moment_.depths[node], velocity(node));
             used_.push_back(node);
         }
         return vertex;
@@ -145,9 +145,10 @@ class Surface final : public WaterSurface {
 
 // All steps are looked at; of very many values only some steps, evenly.
 Failure Surface::survey() {
-    constexpr std::size_t kMostValues = 100'000'000;
+    constexpr std::size_t kMostValues = 40'000'000;
     const std::size_t steps = data().stepSeconds().size(), nodes = moments_.nodes().size();
-    const std::size_t most = std::max<std::size_t>(kMostValues / std::max<std::size_t>(nodes, 1), 3);
+    const std::size_t most =
+        std::max<std::size_t>(kMostValues / std::max<std::size_t>(nodes, 1), 3);
     const std::size_t looked = std::min(steps, most);
     std::vector<char> everWet(nodes, 0);
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -207,8 +208,8 @@ void Surface::setBounds(const std::vector<char>& everWet, double low, double hig
         start = glm::dvec2(0.0);
     extent_ = {std::remainder(start->x + west.x, 360.0), start->y + west.y,
                std::remainder(start->x + east.x, 360.0), start->y + east.y};
-    bounds_ = boundingSphere(BoundingVolume(
-        makeRegion(extent_[0], extent_[1], extent_[2], extent_[3], low, high)));
+    bounds_ = boundingSphere(
+        BoundingVolume(makeRegion(extent_[0], extent_[1], extent_[2], extent_[3], low, high)));
 }
 
 Result<std::vector<WaterMesh>> Surface::meshes(double seconds, const glm::dmat3& meshAxes) const {
@@ -234,6 +235,9 @@ Result<std::vector<WaterMesh>> Surface::meshes(double seconds, const glm::dmat3&
 
 // Of a place among three: what each has to say; none outside of them.
 std::optional<glm::dvec3> weightsOf(glm::dvec2 p, const std::array<glm::dvec2, 3>& corners) {
+    const auto [south, north] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
+    if (p.y < south || p.y > north) // most, when all triangles are asked
+        return std::nullopt;
     const auto from = [&](std::size_t i) {
         return glm::dvec2(std::remainder(corners[i].x - p.x, 360.0), corners[i].y - p.y);
     };
@@ -286,8 +290,7 @@ Result<std::optional<WaterAt>> Surface::at(double seconds, glm::dvec2 lonLat) co
     for (std::size_t p = 0; p < nodes.patches().size() && !found; ++p) {
         const WaterNodes::Patch& patch = nodes.patches()[p];
         if (!(*moment)->patchIsWet[p] ||
-            !(std::abs(std::remainder(lonLat.x - patch.middle.x, 360.0)) <=
-              patch.reach.x + 1e-9) ||
+            !(std::abs(std::remainder(lonLat.x - patch.middle.x, 360.0)) <= patch.reach.x + 1e-9) ||
             !(std::abs(lonLat.y - patch.middle.y) <= patch.reach.y + 1e-9))
             continue;
         nodes.eachTriangle(patch, isWet, [&](const NodeTriangle& t) {

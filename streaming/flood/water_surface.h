@@ -1,6 +1,7 @@
 // The water that a flood result shows at a moment: surface, shore, depth. Linear in time between
-// steps; the shore lies where the level meets the ground between a wet node and a dry one, so it is
-// smooth, and no dry node is ever under water.
+// steps, a dry step counting as no depth; the shore lies where the level meets the ground between a
+// wet node and a dry one, so it is smooth, and no dry node is ever under water. The rule, and how
+// it keeps to the model's own area and volume: water_surface_shore.h.
 #pragma once
 
 #include "streaming/flood/flood.h"
@@ -14,7 +15,7 @@ namespace gnomon {
 
 struct WaterVertex {
     glm::vec3 position; // relative to the mesh's origin, along the scene's mesh axes
-    float depth;        // metres; the shore is where it crosses 0, beyond it is negative
+    float depth;        // metres; 0 at the shore, where the mesh ends
     glm::vec2 velocity; // m/s along east and north; 0 when not known
 };
 
@@ -47,10 +48,12 @@ struct WaterTotals {
 class WaterSurface {
   public:
     virtual ~WaterSurface() = default;
+    // Fails, in one line, when there is no ground for it to stand on, or no water at all.
     static Result<std::shared_ptr<WaterSurface>>
     create(std::shared_ptr<const FloodData> data,
            const std::shared_ptr<const GroundHeights>& ground, const WaterSurfaceOptions& options);
 
+    // With the notes of what was made out for this ground (FloodData::on).
     virtual const FloodData& data() const = 0;
     virtual std::array<double, 4> extent() const = 0; // west, south, east, north, degrees
     virtual Sphere bounds() const = 0;

@@ -116,8 +116,7 @@ void WaterMoments::placeShore(WaterMoment& moment) const {
         moment.byNodes.volume += area * depth;
         moment.deepest = std::max(moment.deepest, depth);
         if (!moment.velocities.empty())
-            moment.fastest =
-                std::max(moment.fastest, double(glm::length(moment.velocities[node])));
+            moment.fastest = std::max(moment.fastest, double(glm::length(moment.velocities[node])));
     }
     const auto isWet = [&](std::uint32_t node) { return wet.isWet(node); };
     std::vector<ShoreTriangle> shore;

@@ -13,10 +13,10 @@ namespace gnomon {
 
 struct WaterMoment {
     double seconds = 0.0;
-    std::vector<float> depths;        // 0: dry
+    std::vector<float> depths;         // 0: dry
     std::vector<glm::vec2> velocities; // m/s east, north; empty when not known
     ShoreRule rule;
-    WaterSums byNodes, shown;         // nodes and their cells; the surface that is drawn
+    WaterSums byNodes, shown; // nodes and their cells; the surface that is drawn
     double deepest = 0.0, fastest = 0.0;
     // Triangles with any wet corner, patch by patch: none in those that are left out.
     std::vector<char> patchIsWet;

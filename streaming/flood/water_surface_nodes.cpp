@@ -69,8 +69,8 @@ double WaterNodes::cellArea(std::uint32_t node) const {
     const int row = int(node / std::uint32_t(columns_)) - 1;
     if (column < 0 || row < 0 || column >= geometry_.columns || row >= geometry_.rows)
         return 0.0;
-    return geometry_.cellArea[std::size_t(row) * std::size_t(geometry_.columns) +
-                              std::size_t(column)];
+    return geometry_
+        .cellArea[std::size_t(row) * std::size_t(geometry_.columns) + std::size_t(column)];
 }
 
 void WaterNodes::findSense() {
@@ -78,9 +78,8 @@ void WaterNodes::findSense() {
         for (int column = 0; column + 1 < geometry_.columns; ++column) {
             const std::size_t a =
                 std::size_t(row) * std::size_t(geometry_.columns) + std::size_t(column);
-            const double area = areaOnEarth(
-                {geometry_.lonLat[a], geometry_.lonLat[a + 1],
-                 geometry_.lonLat[a + std::size_t(geometry_.columns)]});
+            const double area = areaOnEarth({geometry_.lonLat[a], geometry_.lonLat[a + 1],
+                                             geometry_.lonLat[a + std::size_t(geometry_.columns)]});
             if (std::isfinite(area) && area != 0.0) {
                 reversed_ = area > 0.0;
                 return;

@@ -30,9 +30,9 @@ class WaterNodes {
     double cellArea(std::uint32_t node) const; // the ring's is its neighbours'
 
     struct Patch {
-        glm::ivec2 low{0}, high{0};         // cells of a grid
+        glm::ivec2 low{0}, high{0};           // cells of a grid
         std::size_t first = 0, triangles = 0; // of a mesh
-        glm::dvec2 middle{0}, reach{0};     // degrees, half of what it covers
+        glm::dvec2 middle{0}, reach{0};       // degrees, half of what it covers
     };
     const std::vector<Patch>& patches() const { return patches_; }
     // Counter-clockwise seen from above. A grid's cells are halved so that one corner that is wet,
@@ -66,8 +66,8 @@ std::vector<T> WaterNodes::spread(const std::vector<T>& values) const {
     out.reserve(size_);
     const int inner = columns_ - 2;
     for (int row = 0; row < rows_; ++row) {
-        const T* line = values.data() + std::size_t(std::clamp(row - 1, 0, rows_ - 3)) *
-                                            std::size_t(inner);
+        const T* line =
+            values.data() + std::size_t(std::clamp(row - 1, 0, rows_ - 3)) * std::size_t(inner);
         out.push_back(line[0]);
         out.insert(out.end(), line, line + inner);
         out.push_back(line[inner - 1]);

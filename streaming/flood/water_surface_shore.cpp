@@ -6,8 +6,12 @@ namespace gnomon {
 
 namespace {
 
-// Of the water's depth: so near to the level a dry bed begins to count as flat.
-constexpr double kFlat = 0.1;
+// Of the water's depth: a dry bed that is farther below the level is kept dry by something else
+// than itself.
+constexpr double kFlat = 0.2;
+
+// Of the way to a dry node: so near water comes to it.
+constexpr double kMostShare = 0.95;
 
 // Shown and counted differ by no more.
 constexpr double kSlack = 0.005;
@@ -126,10 +130,10 @@ ShoreEdge shoreEdge(double depth, double bedAbove) {
     const double rise = bedAbove / depth;
     if (!(rise > -kFlat)) // NaN too
         return {0.5, false};
-    if (rise >= kFlat)
-        return {1.0 / (1.0 + rise), true};
-    const double passage = (rise + kFlat) / (2.0 * kFlat);
-    return {0.5 + passage * (1.0 / (1.0 + kFlat) - 0.5), passage > 0.5};
+    if (rise >= 0.0)
+        return {std::min(1.0 / (1.0 + rise), kMostShare), true};
+    const double passage = 1.0 + rise / kFlat;
+    return {0.5 + passage * (kMostShare - 0.5), passage > 0.5};
 }
 
 PlacedShore placed(const ShoreEdge& edge, const ShoreRule& rule) {
@@ -139,8 +143,8 @@ PlacedShore placed(const ShoreEdge& edge, const ShoreRule& rule) {
 }
 
 double areaShare(const WaterPiece& piece) {
-    return std::abs(glm::determinant(
-        glm::dmat3(piece[0].weights, piece[1].weights, piece[2].weights)));
+    return std::abs(
+        glm::determinant(glm::dmat3(piece[0].weights, piece[1].weights, piece[2].weights)));
 }
 
 WaterPieces WetTriangles::piecesOf(const NodeTriangle& t, const ShoreRule& rule) const {

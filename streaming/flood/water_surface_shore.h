@@ -5,16 +5,18 @@
 //     slope the shore is that of the slope;
 //   - in the middle, where the cells of a model meet, when the dry bed is below it or not known:
 //     then something else than the ground keeps the water off;
-// with a smooth passage between the two, so that a shore does not jump as the water rises. It never
-// comes nearer to a dry node than a tenth of the way.
+// with a passage from one to the other while the dry bed is less below the level than a fifth of
+// the depth, so that a shore does not jump as water rises. It comes no nearer to a dry node than a
+// twentieth of the way.
 //
-// Models count whole cells as wet. In a valley no wider than a few cells the rule above would show
-// much less water than the model has; so no shore is nearer to a wet node than a share `nearest` of
-// the way, nor farther than `farthest`, both chosen at each moment as weak as will do for the area
-// shown to be that of the wet cells within half a percent. Likewise depth: a straight line from a
-// wet node to the shore has too little under it where the model's cells end in a bank, so depth
-// just within the shore is a share of that at the node, again as small as will do for the volume;
-// first where the shore is no slope's, then everywhere.
+// Models count whole cells as wet. In valleys no wider than a few cells the rule above shows less
+// water than the model has; so no shore is nearer to a wet node than a share `nearest` of the way,
+// nor farther than `farthest`, both chosen at each moment as weak as will do for the area shown to
+// be that of the wet cells within half a percent. Likewise depth: under a straight line from a wet
+// node to the shore there is too little where the model's cells end in a bank; so the depth just
+// within the shore is a share of that at the node, again as small as will do for the volume: first
+// where the shore is no slope's, then everywhere. Where that too is not enough (ponds of one cell)
+// less is shown.
 #pragma once
 
 #include "streaming/flood/water_surface_nodes.h"
@@ -82,8 +84,9 @@ class WetTriangles {
     }
     double depth(std::uint32_t node) const { return depths_[node]; }
     double level(std::uint32_t node) const { return double(beds_[node]) + depths_[node]; }
+    // A film that counts as dry is as good as bed.
     ShoreEdge edge(std::uint32_t wet, std::uint32_t dry) const {
-        return shoreEdge(depths_[wet], double(beds_[dry]) - level(wet));
+        return shoreEdge(depths_[wet], level(dry) - level(wet));
     }
     WaterPieces piecesOf(const NodeTriangle& triangle, const ShoreRule& rule) const;
 

@@ -282,21 +282,21 @@ void addPolygon(const Geos& geos, const std::string& name, const std::vector<Rin
         remarks.add(name + " is no polygon and is left out");
         return;
     }
-    std::vector<std::vector<Ring>> pieces;
     if (GEOSisValid_r(geos, geometry.get()) == 1) {
-        pieces.push_back(rings);
-    } else {
-        char* reason = GEOSisValidReason_r(geos, geometry.get());
-        std::string why = reason != nullptr ? reason : "not valid";
-        GEOSFree_r(geos, reason);
-        if (const std::size_t at = why.find('['); at != std::string::npos)
-            why = why.substr(0, at) + " at " + why.substr(at + 1, why.find(']') - at - 1);
-        geometry.reset(GEOSMakeValid_r(geos, geometry.get()));
-        if (geometry)
-            collect(geos, geometry.get(), pieces);
-        remarks.add(name + (pieces.empty() ? " has no area and is left out" : " was made valid") +
-                    " (" + why + ")");
+        to.add(shapeOf(rings));
+        return;
     }
+    char* reason = GEOSisValidReason_r(geos, geometry.get());
+    std::string why = reason != nullptr ? reason : "not valid";
+    GEOSFree_r(geos, reason);
+    if (const std::size_t at = why.find('['); at != std::string::npos)
+        why = why.substr(0, at) + " at " + why.substr(at + 1, why.find(']') - at - 1);
+    geometry.reset(GEOSMakeValid_r(geos, geometry.get()));
+    std::vector<std::vector<Ring>> pieces;
+    if (geometry)
+        collect(geos, geometry.get(), pieces);
+    remarks.add(name + (pieces.empty() ? " has no area and is left out" : " was made valid") +
+                " (" + why + ")");
     for (const std::vector<Ring>& piece : pieces)
         to.add(shapeOf(piece));
 }

@@ -1,6 +1,7 @@
 #include "streaming/terrain/gdal_quiet.h"
 
 #include <gdal_priv.h>
+#include <hdf5.h>
 
 #include <mutex>
 
@@ -11,7 +12,21 @@ void registerGdalDrivers() {
     std::call_once(once, [] { GDALAllRegister(); });
 }
 
+namespace {
+
+// What NetCDF files are made of prints its errors, thread by thread; NetCDF itself stops that on
+// the thread that was the first to open a file.
+void silenceHdf5() {
+    thread_local bool silent = false;
+    if (!silent)
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    silent = true;
+}
+
+} // namespace
+
 GdalQuiet::GdalQuiet() {
+    silenceHdf5();
     CPLPushErrorHandlerEx(&GdalQuiet::take, &said_);
 }
 

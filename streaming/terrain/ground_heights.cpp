@@ -65,6 +65,15 @@ class GroundWithin : public GroundHeights {
             if (!contains(lonLat[i]))
                 heights[i] = std::numeric_limits<double>::quiet_NaN();
     }
+    std::optional<std::array<double, 4>> extent() const override {
+        std::optional<std::array<double, 4>> e;
+        for (const std::vector<glm::dvec2>& ring : rings_)
+            for (const glm::dvec2 p : ring)
+                e = e ? std::array{std::min((*e)[0], p.x), std::min((*e)[1], p.y),
+                                   std::max((*e)[2], p.x), std::max((*e)[3], p.y)}
+                      : std::array{p.x, p.y, p.x, p.y};
+        return e;
+    }
 
   private:
     // Sides that a ray to the east crosses: odd inside.

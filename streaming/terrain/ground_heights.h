@@ -4,7 +4,9 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,9 @@ class GroundHeights {
     // `lonLat` in degrees; out: metres above the WGS 84 ellipsoid at the data's full resolution,
     // linear between its points, NaN where it has none. From several threads at once.
     virtual void sample(std::span<const glm::dvec2> lonLat, std::span<double> heights) const = 0;
+
+    // West, south, east, north in degrees around all it has, where that is known.
+    virtual std::optional<std::array<double, 4>> extent() const { return std::nullopt; }
 
     double at(glm::dvec2 lonLat) const;
 };

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <numeric>
+#include <thread>
 
 namespace gnomon {
 
@@ -79,6 +82,41 @@ std::vector<int> positions(const LevelAxis& axis, int first, int count) {
     return out;
 }
 
+// What threads that read rows tell the one that waits for them.
+struct RowsShared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int running = 0, rows = 0;
+    Failure error;
+};
+
+void readRows(const Raster& raster, int factor, const std::vector<int>& across, CoarseHeights& out,
+              int from, int to, RowsShared& shared) {
+    constexpr int kRowsAtOnce = 16;
+    Failure wrong;
+    for (int row = from; row < to && !wrong; row += kRowsAtOnce) {
+        const int count = std::min(kRowsAtOnce, to - row);
+        const std::vector<int> down = positions(out.grid.down, row, count);
+        const std::span<float> target =
+            std::span(out.heights).subspan(std::size_t(row) * across.size());
+        try {
+            wrong = factor > 1 ? readByOverview(raster, factor, across, down, target)
+                               : readPixels(raster, across, down, target);
+        } catch (const std::bad_alloc&) {
+            wrong = Error{"", "there is not enough memory to read the raster"};
+        }
+        const std::lock_guard lock(shared.mutex);
+        shared.rows += count;
+        if (shared.error)
+            break;
+        shared.error = wrong;
+        shared.changed.notify_one();
+    }
+    const std::lock_guard lock(shared.mutex);
+    --shared.running;
+    shared.changed.notify_one();
+}
+
 double bilinear(const std::vector<float>& heights, int width, int column, int row, double u,
                 double v) {
     const std::size_t i = std::size_t(row) * std::size_t(width) + std::size_t(column);
@@ -105,18 +143,29 @@ Result<CoarseHeights> HeightSamples::readCoarse(const Raster& raster, const Heig
     out.heights.resize(std::size_t(columns) * std::size_t(rows));
     const int factor = factorFor(raster, out.grid.across.step);
     const std::vector<int> across = positions(out.grid.across, 0, columns);
-    constexpr int kRowsAtOnce = 16;
-    for (int row = 0; row < rows; row += kRowsAtOnce) {
-        const int count = std::min(kRowsAtOnce, rows - row);
-        const std::vector<int> down = positions(out.grid.down, row, count);
-        const std::span<float> to =
-            std::span(out.heights).subspan(std::size_t(row) * std::size_t(columns));
-        if (const Failure wrong = factor > 1 ? readByOverview(raster, factor, across, down, to)
-                                             : readPixels(raster, across, down, to))
-            return *wrong;
+    // Threads take a part each from top to bottom: compressed blocks are unpacked once.
+    const int parts = std::clamp(int(std::thread::hardware_concurrency()), 1, rows);
+    RowsShared shared;
+    shared.running = parts;
+    std::vector<std::thread> threads;
+    const auto firstOf = [&](int part) { return int(std::int64_t(rows) * part / parts); };
+    for (int part = 0; part < parts; ++part)
+        threads.emplace_back([&, part] {
+            readRows(raster, factor, across, out, firstOf(part), firstOf(part + 1), shared);
+        });
+    for (bool done = false; !done;) {
+        std::unique_lock lock(shared.mutex);
+        shared.changed.wait_for(lock, std::chrono::milliseconds(100));
+        done = shared.running == 0;
+        const double share = double(shared.rows) / rows;
+        lock.unlock();
         if (progress)
-            progress(double(row + count) / rows);
+            progress(share);
     }
+    for (std::thread& thread : threads)
+        thread.join();
+    if (shared.error)
+        return *shared.error;
     return out;
 }
 

@@ -63,8 +63,8 @@ double QuantizedCore::errorOf(const QuantizedPlace& place) const {
 
 bool QuantizedScene::isNearAbove(const std::array<double, 4>& extent) const {
     for (const auto& ground : above) {
-        const auto* terrain = dynamic_cast<const Terrain*>(ground.get());
-        if (terrain == nullptr || overlap(terrain->facts().extent, extent))
+        const auto around = ground->extent();
+        if (!around || overlap(*around, extent))
             return true;
     }
     return false;

@@ -16,13 +16,13 @@ class TileMaker : public ContentMaker {
     explicit TileMaker(std::shared_ptr<const TerrainScene> scene) : scene_(std::move(scene)) {}
 
     Result<TileContent> make(const std::string& path, const DecodeOptions& options) const override {
-        const std::optional<TileName> name = tileNamed(path);
+        const std::optional<TileName> name = tileNamed(*scene_, path);
         if (!name)
             return Error{path, "is no tile of this terrain"};
         return makeTerrainTile(*scene_, *name, options);
     }
     Result<std::vector<MadeTile>> below(const std::string& path) const override {
-        const std::optional<TileName> name = tileNamed(path);
+        const std::optional<TileName> name = tileNamed(*scene_, path);
         if (!name)
             return Error{path, "is no tile of this terrain"};
         return terrainTilesBelow(*scene_, *name);

@@ -60,6 +60,7 @@ class Terrain : public GroundHeights {
     static Result<std::shared_ptr<const Terrain>> open(const std::string& path,
                                                        const TerrainOptions& options);
     virtual const TerrainFacts& facts() const = 0;
+    std::optional<std::array<double, 4>> extent() const override { return facts().extent; }
     // Its tiles. Where one of `above` has ground this one makes room; `drapes` are painted on, the
     // last on top.
     virtual MadeTileset tiles(std::vector<std::shared_ptr<const GroundHeights>> above,

@@ -66,13 +66,13 @@ struct TerrainScene {
     Texels texelsOf(int level, glm::ivec2 tile) const;
 };
 
-// "3/1/0"; nothing for what is none of ours.
+// "3/1/0"; nothing for what is none of its tiles.
 struct TileName {
     int level = 0;
     glm::ivec2 tile{0, 0};
 };
 std::string nameOf(int level, glm::ivec2 tile);
-std::optional<TileName> tileNamed(const std::string& path);
+std::optional<TileName> tileNamed(const TerrainScene& scene, const std::string& path);
 
 // terrain_tree.cpp
 MadeTileset terrainTiles(std::shared_ptr<const TerrainScene> scene,

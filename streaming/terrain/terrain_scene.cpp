@@ -124,12 +124,22 @@ std::string nameOf(int level, glm::ivec2 tile) {
     return std::to_string(level) + "/" + std::to_string(tile.x) + "/" + std::to_string(tile.y);
 }
 
-std::optional<TileName> tileNamed(const std::string& path) {
+std::optional<TileName> tileNamed(const TerrainScene& scene, const std::string& path) {
     TileName name;
     int end = 0;
     if (std::sscanf(path.c_str(), "%d/%d/%d%n", &name.level, &name.tile.x, &name.tile.y, &end) !=
             3 ||
         std::size_t(end) != path.size())
+        return std::nullopt;
+    const HeightLevels& levels = scene.data->levels;
+    if (name.level < TerrainScene::kLowestLevel || name.level > levels.top())
+        return std::nullopt;
+    const int parts = name.level < 0 ? 1 << -name.level : 1;
+    const glm::ivec2 count = levels.tiles(std::max(name.level, 0)) * parts;
+    if (name.tile.x < 0 || name.tile.y < 0 || name.tile.x >= count.x || name.tile.y >= count.y)
+        return std::nullopt;
+    const HeightLevels::Span span = scene.span(name.level, name.tile);
+    if (span.first.x >= span.last.x || span.first.y >= span.last.y)
         return std::nullopt;
     return name;
 }

@@ -1,4 +1,4 @@
-foreach(name frames ellipsoid camera bounds view time sun crs)
+foreach(name frames ellipsoid plan_frame camera bounds view time sun crs)
   gnomon_test(geo/${name}_test gnomon::geo)
 endforeach()
 # An independent UTM to compare PROJ's with.

@@ -222,6 +222,22 @@ TEST(Barriers, LongOnesAreCutIntoPiecesThatMeetWithoutAGap) {
     EXPECT_FALSE(std::isnan(topAt(ring, {-0.9, -0.9})));
 }
 
+TEST(Barriers, AreTheSameAcrossTheAntimeridianAndAtAPole) {
+    const double degree = 111319.49; // metres of longitude at the equator
+    const auto volume = [&](const std::vector<glm::dvec3>& points) {
+        const Barriers wall =
+            opened({line(points, {{"height", 2.0}, {"width", 2.0}})}, {}, nullptr);
+        expectClosed(wall);
+        return volumeOf(wall);
+    };
+    const double half = 500.0 / degree;
+    const double here = volume({{20.0 - half, 0, NAN}, {20.0 + half, 0, NAN}});
+    EXPECT_NEAR(here, 1000.0 * 2.0 * 2.5, 10.0);
+    EXPECT_NEAR(volume({{180.0 - half, 0, NAN}, {half - 180.0, 0, NAN}}), here, 10.0);
+    const double pole = 90.0 - half;
+    EXPECT_NEAR(volume({{0, pole, NAN}, {180, pole, NAN}}), here, 60.0); // degrees are longer there
+}
+
 TEST(Barriers, KeepALevelCrestOrTheLinesOwn) {
     const std::vector<glm::dvec3> flat{at(0, 0), at(30, 0)};
     const Barriers level = opened({line(flat, {{"crest_level", 70.0}})});
@@ -378,7 +394,7 @@ TEST(Barriers, SayInOneLineWhatTheyCannotBeMadeOf) {
     EXPECT_EQ(messageOf({line({at(0, 0), {NAN, 50.0, 0.0}})}),
               "walls.geojson: barrier 0 is left out: a vertex of it is not on the Earth");
     EXPECT_EQ(messageOf({line({{0, 10, 0}, {90, 10, 0}})}),
-              "walls.geojson: barrier 0 is left out: it spans more than 5 degrees");
+              "walls.geojson: barrier 0 is left out: it is longer than 500 km");
     EXPECT_EQ(messageOf({line({at(0, 0), at(9, 0)})}, ground([](glm::dvec2) { return NAN; })),
               "walls.geojson: barrier 0 is left out: the ground has no height there");
     // The rest is shown.

@@ -104,6 +104,22 @@ TEST(HeightScan, TellsItWhereCellsAtTheFarEdgesAreNoSquares) {
     }
 }
 
+TEST(HeightScan, LooksWhereTheDiagonalOfACellThatIsNoSquareCrossesThePixelsOwnTriangles) {
+    // The last cell of level 2 is one pixel wide. Its diagonal is a ridge between two peaks, and
+    // touches no pixel on the way.
+    Heights2d h(130, 129, [](int, int) { return 0.0; });
+    h.values[129] = 10.0f;
+    h.values[std::size_t(4 * 130 + 128)] = 10.0f;
+    const double off = std::abs(surfaceAt(h, 4, 128.5, 2.0) - surfaceAt(h, 1, 128.5, 2.0));
+    ASSERT_GT(off, 9.9);
+    const auto raster = Raster::open(writeRaster("ridge", h));
+    ASSERT_TRUE(raster);
+    const auto tile = scanTile(*raster, {{h.width, h.height}}, 2, {0, 0});
+    ASSERT_TRUE(tile);
+    EXPECT_GE(double(tile->levels[2].at({0, 0}).error), off);
+    EXPECT_LT(double(tile->levels[2].at({0, 0}).error), 10.001);
+}
+
 TEST(HeightScan, TellsItAroundHolesAndNamesTheirRims) {
     Heights2d h = roughHills(390, 270, 5);
     for (int y = 0; y < h.height; ++y)

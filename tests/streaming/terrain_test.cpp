@@ -157,8 +157,9 @@ TEST(Terrain, SamplesTheSameFromManyThreadsOfAFileTooLargeForMemory) {
         const double expected = bilinear(h, gdal.pixel(places[i]));
         for (const auto& out : heights) {
             EXPECT_EQ(std::isnan(expected), std::isnan(out[i]));
-            if (!std::isnan(expected))
+            if (!std::isnan(expected)) {
                 EXPECT_NEAR(out[i], expected, 1e-3);
+            }
         }
     }
 }
@@ -202,6 +203,20 @@ TEST(Terrain, TreeIsWholeNestedAndItsErrorsNeverGrowDownwards) {
     EXPECT_TRUE(TileTree::ofTiles("tree", made.tiles));
 }
 
+TEST(Terrain, ErrorsDoNotGrowDownwardsEvenWhereACoarseSurfaceIsTheNearerOne) {
+    // Between pixels at 0 and 10 every fourth one at -10 draws the finer surface away.
+    const Heights2d h(601, 300, [](int x, int) {
+        return x % 2 == 1 ? 10.0 : x % 4 == 2 ? -10.0 : 0.0;
+    });
+    const auto terrain = openTerrain(writeRaster("comb", h));
+    ASSERT_TRUE(terrain);
+    const MadeTileset made = terrain->tiles({}, {});
+    for (std::size_t i = 1; i < made.tiles.size(); ++i)
+        EXPECT_LE(made.tiles[i].geometricErrorMetres,
+                  made.tiles[made.tiles[i].parent].geometricErrorMetres);
+    EXPECT_NEAR(made.tiles[0].geometricErrorMetres, 15.0, 0.01);
+}
+
 TEST(Terrain, BranchesEndWhereThereIsNoData) {
     Heights2d h = roughHills(900, 500);
     for (int y = 0; y < h.height; ++y)
@@ -216,7 +231,9 @@ TEST(Terrain, BranchesEndWhereThereIsNoData) {
 }
 
 TEST(Terrain, VolumesHoldTheirTilesAndAreTight) {
-    std::vector<RasterLook> looks(3);
+    std::vector<RasterLook> looks(4);
+    looks[3].epsg = 3035; // a tile wide enough for the Earth to bend in it, and askew
+    looks[3].transform = {2.6e6, 1500, 3900, 2.6e6, 3900, -1500};
     looks[1].epsg = 4326;
     looks[1].transform = {7, 0.01, 0, 60, 0, -0.01}; // parallels bend
     looks[2].epsg = 3995;
@@ -244,8 +261,9 @@ TEST(Terrain, VolumesHoldTheirTilesAndAreTight) {
                      x < std::min(h.width, (id.x + 1) * (128 << id.level)); x += 9)
                     ASSERT_LE(distanceTo(tile.volume, gdal.ecef(x, y, h.at(x, y))), 1e-3);
             const auto& box = std::get<OrientedBox>(tile.volume);
-            if (&look == &looks[0])
+            if (&look == &looks[0]) {
                 EXPECT_LT(glm::length(box.halfAxes[2]), 25.0);
+            }
         }
     }
 }
@@ -273,8 +291,9 @@ TEST(Terrain, TooLargeToBeReadIsLookedAtWhereItIsNeeded) {
     for (const MadeTile& tile : allTiles(made)) {
         const TileId id = idOf(tile.path);
         ASSERT_TRUE(errors.contains(tile.path)) << tile.path;
-        if (id.level < 4)
+        if (id.level < 4) {
             EXPECT_DOUBLE_EQ(tile.geometricErrorMetres, errors[tile.path]) << tile.path;
+        }
         ++found;
     }
     EXPECT_EQ(found, errors.size());

@@ -111,3 +111,31 @@ TEST(ImageFile, WhatCannotBeWrittenIsAnOutputError) {
     EXPECT_EQ(failure->kind, ErrorKind::Output);
     EXPECT_TRUE(writeImage({}, ImageFormat::Png, "/nowhere/a.png"));
 }
+
+TEST(ImageFile, KeepsItsDescriptionBesideThePicture) {
+    const test::Folder folder;
+    const Picture picture = gradient(37, 23);
+    for (const auto& [format, plugin] :
+         {std::pair{ImageFormat::Png, "png"}, {ImageFormat::Jpeg, "jpeg"}}) {
+        const std::string plain = folder / plugin, described = plain + ".described";
+        ASSERT_FALSE(writeImage(picture, format, plain));
+        ASSERT_FALSE(writeImage(picture, format, described, "gnomon, settings 01ab"));
+        EXPECT_EQ(readDescription(format, described), "gnomon, settings 01ab");
+        EXPECT_EQ(readDescription(format, plain), std::nullopt);
+        EXPECT_EQ(readBack(plugin, described).bytes, readBack(plugin, plain).bytes);
+    }
+    EXPECT_EQ(readDescription(ImageFormat::Png, folder / "not there"), std::nullopt);
+    EXPECT_EQ(readDescription(ImageFormat::Png, folder.write("text", "no png")), std::nullopt);
+}
+
+TEST(ImageFile, APictureCutShortHasNoDescription) {
+    const test::Folder folder;
+    for (const ImageFormat format : {ImageFormat::Png, ImageFormat::Jpeg}) {
+        ASSERT_FALSE(writeImage(gradient(370, 230), format, folder / "a", "whole"));
+        const std::string bytes = test::contentsOf(folder / "a");
+        for (const std::size_t kept : {bytes.size() / 2, bytes.size() - 1})
+            EXPECT_EQ(readDescription(format, folder.write("b", bytes.substr(0, kept))),
+                      std::nullopt)
+                << kept;
+    }
+}

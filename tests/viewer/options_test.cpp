@@ -201,8 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"--crs", ""}, Wrong{"--device", "gpu"}));
 
 TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
-    for (const char* option :
-         {"--offline", "--cache", "--header", "--resume", "--shard", "--shadow-error", "--foo"}) {
+    for (const char* option : {"--offline", "--cache", "--header", "--shadow-error", "--foo"}) {
         const Error error = refused({option});
         EXPECT_EQ(error.kind, ErrorKind::Usage);
         EXPECT_EQ(error.subject, option);
@@ -234,4 +233,30 @@ TEST(Options, HelpHasAnExampleForEveryCommand) {
     const auto version = parse({"--version"});
     ASSERT_TRUE(bool(version));
     EXPECT_TRUE(std::get<HelpText>(*version).text.starts_with("gnomon "));
+}
+
+TEST(Options, TheZoneOfTheTimeIsKept) {
+    EXPECT_EQ(captured({"--time", "2021-07-14T18:00 Europe/Berlin"}).picture.timeZone,
+              "Europe/Berlin");
+    EXPECT_EQ(captured({"--time", "2021-07-14T18:00+02:00"}).picture.timeZone, "+02:00");
+    EXPECT_FALSE(captured({"--time", "2021-07-14T18:00Z"}).picture.timeZone);
+}
+
+TEST(Options, TheOverlayIsThereUnlessItIsNotWanted) {
+    EXPECT_TRUE(captured({}).overlay);
+    EXPECT_FALSE(captured({"--no-overlay"}).overlay);
+}
+
+TEST(Options, ShardsAreCountedFromOne) {
+    EXPECT_FALSE(captured({}).shard);
+    EXPECT_FALSE(captured({}).resume);
+    EXPECT_TRUE(captured({"--resume"}).resume);
+    const auto shard = captured({"--shard", "3/8"}).shard;
+    ASSERT_TRUE(shard);
+    EXPECT_EQ(shard->number, 3);
+    EXPECT_EQ(shard->count, 8);
+    for (const char* wrong :
+         {"0/8", "9/8", "3", "3/", "/8", "3/8/1", "1/0", "a/b", "-1/8", "1.5/8"})
+        EXPECT_EQ(refused({"--shard", wrong}).kind, ErrorKind::Usage) << wrong;
+    EXPECT_NE(refused({"--shard", "0/8"}).reason.find("from 1 to 8"), std::string::npos);
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 using namespace gnomon;
 
 namespace {
@@ -72,4 +74,44 @@ TEST(CapturePlan, OnePictureHoldsOneFrame) {
     EXPECT_FALSE(bool(planned("a.png", 2.0, {}, 1.0)));
     EXPECT_FALSE(bool(planned("a.mp4", 0.0)));
     EXPECT_FALSE(bool(planned("a{frame}.png", 1e9)));
+}
+
+TEST(CapturePlan, ShardsTakeTurnsAndLeaveNoFrameOut) {
+    const auto name = OutputName::parse("a{frame}.png");
+    CaptureOptions options;
+    options.frames = FrameRange{10, 30, 2};
+    const auto whole = planFrames(options, *name, 0.0);
+    ASSERT_EQ(whole->size(), 11u);
+    for (const std::int64_t count : {1, 3, 11, 20}) {
+        std::vector<std::int64_t> seen;
+        for (std::int64_t number = 1; number <= count; ++number) {
+            options.shard = Shard{number, count};
+            const auto part = planFrames(options, *name, 0.0);
+            ASSERT_TRUE(bool(part));
+            EXPECT_LE(part->size(), std::size_t((11 + count - 1) / count));
+            for (const PlannedFrame& frame : *part) {
+                seen.push_back(frame.index);
+                EXPECT_DOUBLE_EQ(frame.seconds, double(frame.index) / 30.0);
+            }
+        }
+        std::sort(seen.begin(), seen.end());
+        ASSERT_EQ(seen.size(), whole->size()) << count;
+        for (std::size_t i = 0; i < seen.size(); ++i)
+            EXPECT_EQ(seen[i], whole->at(i).index);
+    }
+}
+
+TEST(CapturePlan, AVideoIsNeitherShardedNorResumed) {
+    CaptureOptions options;
+    options.shard = Shard{1, 2};
+    for (const char* output : {"a.mp4", "a.png"}) {
+        const auto frames = planFrames(options, *OutputName::parse(output), 2.0);
+        ASSERT_FALSE(bool(frames)) << output;
+        EXPECT_EQ(frames.error().subject, "--shard");
+        EXPECT_EQ(frames.error().kind, ErrorKind::Usage);
+    }
+    options.shard.reset();
+    options.resume = true;
+    EXPECT_EQ(planFrames(options, *OutputName::parse("a.mkv"), 2.0).error().subject, "--resume");
+    EXPECT_TRUE(bool(planFrames(options, *OutputName::parse("a{frame}.png"), 2.0)));
 }

@@ -47,7 +47,7 @@ WaterLayer water(const Scene& scene, const std::string& uri, test::FakeWater::Sh
 TEST(GroundAtCentre, IsWhereTheAxisMeetsTheTerrain) {
     const std::vector<std::function<double(double)>> grounds{
         [](double) { return 50.0; }, [](double) { return -20.0; },
-        [](double north) { return 50.0 + 0.5 * north; },
+        [](double north) { return 50.0 + 0.35 * north; },
         [](double north) { return 50.0 - 0.3 * north; },
         [](double north) { return 60.0 + 8.0 * std::sin(north / 40.0); }};
     for (const auto& ground : grounds)

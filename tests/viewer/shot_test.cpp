@@ -80,7 +80,7 @@ TEST(Shot, TheCommandLinesGroundWinsOverTheScenes) {
 TEST(FrameReport, HasTheContractsKeys) {
     FrameReport report;
     report.renderer = "test";
-    report.settingsHash = settingsHash({});
+    report.settingsHash = settingsHash(PictureOptions{});
     ReportedFrame frame;
     place(frame.camera, {6.96, 50.94, 300}, {30, -20, 0});
     frame.time = *parseTime("2021-06-21T12:00Z");
