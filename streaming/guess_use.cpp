@@ -1,5 +1,7 @@
 #include "streaming/guess_use.h"
 
+#include "streaming/flood/unstructured_hdf5_check.h"
+#include "streaming/flood/unstructured_netcdf_header.h"
 #include "streaming/terrain/gdal_quiet.h"
 
 #include <gdal_priv.h>
@@ -10,6 +12,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -100,9 +103,23 @@ bool looksLikeDepth(GDALRasterBand& band) {
     return wet > 0 && double(dry) > kDryShare * double(dry + wet);
 }
 
+// Damaged NetCDF and HDF5 files can hang or crash the libraries that read them.
+Failure checkForLibraries(const std::string& path) {
+    std::array<char, 4> head{};
+    std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+    const std::string_view magic(head.data(), head.size());
+    if (magic.starts_with("CDF"))
+        return checkClassicNetCdf(path);
+    if (magic == "\x89HDF")
+        return checkHdf5(path);
+    return {};
+}
+
 } // namespace
 
 Result<RasterGuess> guessRasterUse(const std::string& path) {
+    if (const Failure damaged = checkForLibraries(path))
+        return *damaged;
     registerGdalDrivers();
     const GdalQuiet quiet;
     constexpr std::array kDrivers = {"GTiff",

@@ -25,11 +25,6 @@ void sayOf(const Input& input, const FeatureFile& file, Opening& opening) {
         opening.leftOut(error);
 }
 
-FeatureOptions featureOptions(const LayerFacts& facts) {
-    return {facts.crs, facts.heights.value_or(Heights::Ellipsoidal),
-            facts.raiseMetres.value_or(0.0)};
-}
-
 Result<OpenedLayer> layerOf(const Input& input, const LayerFacts& facts, const MadeTileset& made,
                             Opening& opening) {
     auto tileset = StreamedTileset::ofMade(made, input.uri, opening.loader);
@@ -70,6 +65,11 @@ Ground holeIn(const Ground& terrain, const std::string& path, Opening& opening) 
 }
 
 } // namespace
+
+FeatureOptions featureOptions(const LayerFacts& facts) {
+    return {facts.crs, facts.heights.value_or(Heights::Ellipsoidal),
+            facts.raiseMetres.value_or(0.0)};
+}
 
 Result<OpenedTerrain> openTerrain(const Input& input, const LayerFacts& facts, Opening& opening) {
     TerrainOptions options;
@@ -203,14 +203,14 @@ Result<WaterLayer> openWater(const Input& input, const LayerFacts& facts, const 
     auto data = openFlood(paths, options);
     if (!data)
         return data.error();
-    const FloodData& flood = **data;
-    sayOf(input, flood.notes, flood.credits, opening);
-    for (const Error& error : flood.leftOut)
-        opening.leftOut(error);
     WaterSurfaceOptions surfaceOptions;
     if (facts.dryMetres)
         surfaceOptions.dryMetres = *facts.dryMetres;
     auto surface = WaterSurface::create(*data, ground, surfaceOptions);
+    const FloodData& flood = surface ? (*surface)->data() : **data;
+    sayOf(input, flood.notes, flood.credits, opening);
+    for (const Error& error : flood.leftOut)
+        opening.leftOut(error);
     if (!surface)
         return surface.error();
     WaterLayer layer;

@@ -21,6 +21,8 @@ std::vector<Result<OpenedLayer>> terrainLayers(std::vector<OpenedTerrain> terrai
 
 Result<Scene::Painted> openImagery(const Input& input, const LayerFacts& facts, Opening& opening);
 
+FeatureOptions featureOptions(const LayerFacts& facts);
+
 // On `ground`.
 using Ground = std::shared_ptr<const GroundHeights>;
 Result<OpenedLayer> openBuildings(const Input& input, const LayerFacts& facts, const Ground& ground,

@@ -270,7 +270,8 @@ struct Parser {
         addEvaluate(add("evaluate", "each shadow technique: its time, its memory and its error "
                                     "against rays"),
                     evaluate, techniques);
-        addDemo(add("demo", "writes the built-in place: terrain, city, trees, a flood, a flight"), demo);
+        addDemo(add("demo", "writes the built-in place: terrain, city, trees, a flood, a flight"),
+                demo);
     }
 };
 

@@ -231,7 +231,7 @@ class SceneOpener {
             return keep(openWater(input, facts, standOn_, opening),
                         [&](WaterLayer water) { scene_.waters.push_back(std::move(water)); });
         case InputKind::Lamps:
-            return openLamps(input.path);
+            return openLamps(asked, opening);
         case InputKind::Terrain:
         case InputKind::Imagery:
         case InputKind::SceneFile:
@@ -253,15 +253,22 @@ class SceneOpener {
             scene_.ground = GroundChoice{false, 0.0};
     }
 
-    void openLamps(const std::string& path) {
-        const Result<LampsFile> file = readLampsFile(path);
+    void openLamps(const Asked& asked, Opening& opening) {
+        const std::string& path = asked.input.path;
+        const Result<LampsFile> file = readLampsFile(path, featureOptions(asked.facts));
         if (!file)
             return fail(file.error());
         anythingFound_ = true;
         lamps_.insert(lamps_.end(), file->entries.begin(), file->entries.end());
+        if (!asked.input.guess.empty())
+            opening.note(asked.input.uri, asked.input.guess);
+        for (const std::string& note : file->notes)
+            opening.note(path, note);
+        for (const Error& error : file->leftOut)
+            opening.leftOut(error);
         if (file->others > 0)
-            opening().warn(path, std::to_string(file->others) +
-                                     " features are no points, so they are left out");
+            opening.warn(path, std::to_string(file->others) +
+                                   " features are no points, so they are left out");
     }
     void placeLamps() {
         for (const LampsFile::Entry& entry : lamps_) {

@@ -46,7 +46,7 @@ struct TerrainFacts {
     // Where it is coloured by height: what the first and the last colour stand for, in the raster's
     // own heights.
     std::optional<std::array<double, 2>> rampHeights;
-    double rootErrorMetres = 0;                      // of the coarsest tile
+    double rootErrorMetres = 0; // of the coarsest tile
     bool errorIsBound = true; // false: estimated, the raster being too large to be read at opening
     std::array<double, 4> extent{}; // west, south, east, north, degrees
     std::vector<std::string> notes; // what was taken for granted
