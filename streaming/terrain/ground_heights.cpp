@@ -1,5 +1,7 @@
 #include "streaming/terrain/ground_heights.h"
 
+#include "geo/plan_frame.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -53,11 +55,20 @@ class StackedGround : public GroundHeights {
     std::vector<std::shared_ptr<const GroundHeights>> grounds_;
 };
 
+// Seen straight from above the middle of the rings, so that they may cross the antimeridian or hold
+// a pole.
 class GroundWithin : public GroundHeights {
   public:
     GroundWithin(std::shared_ptr<const GroundHeights> ground,
-                 std::vector<std::vector<glm::dvec2>> rings)
-        : ground_(std::move(ground)), rings_(std::move(rings)) {}
+                 const std::vector<std::vector<glm::dvec2>>& rings)
+        : ground_(std::move(ground)), up_(middleOf(rings)), frame_(lonLatOf(up_)) {
+        for (const std::vector<glm::dvec2>& ring : rings) {
+            std::vector<glm::dvec2>& flat = rings_.emplace_back();
+            for (const glm::dvec2 p : ring)
+                flat.push_back(frame_.plan(p));
+        }
+        findExtent(rings);
+    }
 
     void sample(std::span<const glm::dvec2> lonLat, std::span<double> heights) const override {
         ground_->sample(lonLat, heights);
@@ -65,19 +76,39 @@ class GroundWithin : public GroundHeights {
             if (!contains(lonLat[i]))
                 heights[i] = std::numeric_limits<double>::quiet_NaN();
     }
-    std::optional<std::array<double, 4>> extent() const override {
-        std::optional<std::array<double, 4>> e;
-        for (const std::vector<glm::dvec2>& ring : rings_)
-            for (const glm::dvec2 p : ring)
-                e = e ? std::array{std::min((*e)[0], p.x), std::min((*e)[1], p.y),
-                                   std::max((*e)[2], p.x), std::max((*e)[3], p.y)}
-                      : std::array{p.x, p.y, p.x, p.y};
-        return e;
-    }
+    std::optional<std::array<double, 4>> extent() const override { return extent_; }
 
   private:
-    // Sides that a ray to the east crosses: odd inside.
-    bool contains(glm::dvec2 p) const {
+    using Rings = std::vector<std::vector<glm::dvec2>>;
+
+    static glm::dvec3 middleOf(const Rings& rings) {
+        glm::dvec3 sum(0.0);
+        for (const std::vector<glm::dvec2>& ring : rings)
+            for (const glm::dvec2 p : ring)
+                sum += glm::normalize(ecefOf({p.x, p.y, 0.0}).xyz);
+        return glm::length(sum) > 0.0 ? glm::normalize(sum) : glm::dvec3(0, 0, 1);
+    }
+    static glm::dvec2 lonLatOf(const glm::dvec3& up) {
+        const Geodetic middle = geodeticOf({kEquatorialRadiusMetres * up});
+        return {middle.longitudeDegrees, middle.latitudeDegrees};
+    }
+    // Not known in degrees where rings cross the antimeridian or lie about a pole.
+    void findExtent(const Rings& rings) {
+        constexpr double kNearPole = 89.0, kHalfTurn = 180.0;
+        std::array<double, 4> e{INFINITY, INFINITY, -INFINITY, -INFINITY};
+        for (const std::vector<glm::dvec2>& ring : rings)
+            for (const glm::dvec2 p : ring)
+                e = {std::min(e[0], p.x), std::min(e[1], p.y), std::max(e[2], p.x),
+                     std::max(e[3], p.y)};
+        if (e[2] - e[0] < kHalfTurn && e[1] > -kNearPole && e[3] < kNearPole)
+            extent_ = e;
+    }
+    // Sides that a ray to the east crosses: odd inside. Nothing is on the Earth's far side.
+    bool contains(glm::dvec2 lonLat) const {
+        const Result<Point<Ecef>> place = ecefFromGeodetic({lonLat.x, lonLat.y, 0.0});
+        if (!place || glm::dot(place->xyz, up_) < 0.0)
+            return false;
+        const glm::dvec2 p = frame_.plan(lonLat);
         bool inside = false;
         for (const std::vector<glm::dvec2>& ring : rings_)
             for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
@@ -89,7 +120,10 @@ class GroundWithin : public GroundHeights {
         return inside;
     }
     std::shared_ptr<const GroundHeights> ground_;
-    std::vector<std::vector<glm::dvec2>> rings_;
+    glm::dvec3 up_; // at the middle
+    PlanFrame frame_;
+    Rings rings_; // in the plan
+    std::optional<std::array<double, 4>> extent_;
 };
 
 } // namespace
@@ -106,7 +140,7 @@ std::shared_ptr<const GroundHeights> flatGround(double heightMetres) {
 
 std::shared_ptr<const GroundHeights> groundWithin(std::shared_ptr<const GroundHeights> ground,
                                                   std::vector<std::vector<glm::dvec2>> rings) {
-    return std::make_shared<GroundWithin>(std::move(ground), std::move(rings));
+    return std::make_shared<GroundWithin>(std::move(ground), rings);
 }
 
 std::shared_ptr<const GroundHeights>

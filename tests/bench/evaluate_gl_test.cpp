@@ -23,8 +23,8 @@ struct Bench {
                 .value();
     }
     EvaluationInput input() {
-        EvaluationInput in{scene.scene, *renderer, scene.frame, scene.camera,
-                           sun(),       {},        scene.probes};
+        EvaluationInput in{scene.scene, *renderer, scene.frame,  scene.camera,
+                           sun(),       {},        scene.probes, {}};
         in.raysPerPixel = 16;
         in.framesTimed = 1;
         return in;

@@ -70,8 +70,7 @@ TEST(CommandLine, DemoThenInfoTellsWhatWasWritten) {
     std::vector<std::string> kinds; // as the scene names them
     for (const auto& one : json["inputs"])
         kinds.push_back(one["kind"]);
-    EXPECT_EQ(kinds,
-              (std::vector<std::string>{"tileset", "terrain", "barriers", "barriers", "stage"}));
+    EXPECT_EQ(kinds, (std::vector<std::string>{"tileset", "terrain", "barriers", "stage"}));
     const auto& input = json["inputs"][0];
     for (const char* key : {"uri", "kind", "version", "crs", "heights", "tiles", "subtrees",
                             "contents", "missing", "triangles", "duplicates", "closed_share",

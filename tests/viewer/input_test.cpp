@@ -44,7 +44,7 @@ TEST(Input, IsKnownByContentWhateverItsName) {
 
 TEST(Input, AFolderStandsForItsOneSceneElseItsTileset) {
     const test::Folder folder;
-    EXPECT_NE(kindOf(folder.path()).find("neither a *.scene.json nor tileset.json"),
+    EXPECT_NE(kindOf(folder.path()).find("neither a *.scene.json nor a tileset.json"),
               std::string::npos);
     folder.write("b.scene.json", kScene);
     EXPECT_EQ(kindOf(folder.path()), "scene");
