@@ -11,6 +11,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -82,23 +83,29 @@ bool isPicture(GDALDataset& data) {
 }
 
 // Depths are nowhere negative and mostly nothing; heights of a place are seldom either. Looked at
-// in a coarse picture of the raster.
+// in small windows spread over the raster: a coarse picture would unpack all of it.
 bool looksLikeDepth(GDALRasterBand& band) {
-    constexpr int kLook = 256;
+    constexpr int kWindows = 6, kAcross = 64, kDown = 8;
     constexpr double kDeepest = 60.0, kDryShare = 0.2;
-    const int columns = std::min(band.GetXSize(), kLook), rows = std::min(band.GetYSize(), kLook);
+    const int columns = std::min(band.GetXSize(), kAcross), rows = std::min(band.GetYSize(), kDown);
     std::vector<float> values(std::size_t(columns) * std::size_t(rows));
-    if (band.RasterIO(GF_Read, 0, 0, band.GetXSize(), band.GetYSize(), values.data(), columns, rows,
-                      GDT_Float32, 0, 0, nullptr) != CE_None)
-        return false;
     int given = 0;
     const double none = band.GetNoDataValue(&given);
     std::size_t dry = 0, wet = 0;
-    for (const float v : values) {
-        const bool missing = !std::isfinite(v) || (given != 0 && v == float(none));
-        if (!missing && (v < 0.0f || v > kDeepest))
+    for (int i = 0; i < kWindows * kWindows; ++i) {
+        const auto start = [](int size, int window, int k) {
+            return int(std::int64_t(size - window) * k / (kWindows - 1));
+        };
+        if (band.RasterIO(GF_Read, start(band.GetXSize(), columns, i % kWindows),
+                          start(band.GetYSize(), rows, i / kWindows), columns, rows, values.data(),
+                          columns, rows, GDT_Float32, 0, 0, nullptr) != CE_None)
             return false;
-        (missing || v == 0.0f ? dry : wet) += 1;
+        for (const float v : values) {
+            const bool missing = !std::isfinite(v) || (given != 0 && v == float(none));
+            if (!missing && (v < 0.0f || v > kDeepest))
+                return false;
+            (missing || v == 0.0f ? dry : wet) += 1;
+        }
     }
     return wet > 0 && double(dry) > kDryShare * double(dry + wet);
 }

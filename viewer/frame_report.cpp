@@ -66,6 +66,10 @@ Json frameJson(const ReportedFrame& frame) {
                       {"shading", f.compositeMs}, {"total", f.gpuTotalMs}};
     if (f.resolveMs > 0.0)
         json["gpu_ms"]["resolve"] = f.resolveMs;
+    if (f.waterTriangles > 0) {
+        json["water_triangles"] = f.waterTriangles;
+        json["gpu_ms"]["water"] = f.waterMs;
+    }
     json["cascades"] = cascadesJson(f.cascades);
     json["files"] = frame.files;
     return json;
@@ -134,7 +138,8 @@ void describe(std::ostringstream& out, const SceneOptions& scene) {
         << moment(scene.until) << ' ' << whole(scene.waterKind) << ' '
         << scene.variable.value_or("") << ' ' << moment(scene.start) << ' '
         << number(scene.stepSeconds) << ' ' << number(scene.dryMetres) << ' ' << whole(scene.colors)
-        << ' ' << number(scene.most) << ' ' << whole(scene.look) << '\n';
+        << ' ' << number(scene.most) << ' ' << whole(scene.look) << ' '
+        << scene.dataFolder.value_or("") << ' ' << number(scene.groundMetres) << '\n';
 }
 
 } // namespace

@@ -3,13 +3,25 @@
 #include <gdal_priv.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace gnomon {
 
+namespace {
+
+// Datasets read side by side share GDAL's cache of blocks; it stays small beside --memory.
+constexpr GIntBig kMostCacheBytes = GIntBig(24) << 20;
+
+} // namespace
+
 void registerGdalDrivers() {
     static std::once_flag once;
-    std::call_once(once, [] { GDALAllRegister(); });
+    std::call_once(once, [] {
+        GDALAllRegister();
+        if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr)
+            GDALSetCacheMax64(std::min(GDALGetCacheMax64(), kMostCacheBytes));
+    });
 }
 
 namespace {

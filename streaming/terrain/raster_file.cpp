@@ -24,18 +24,6 @@ constexpr std::array kDrivers = {
     "GS7BG", "ENVI",    "SAGA",           "BT",      "RST",     "PCRaster",
     "ZMap",  "ISG",     "JP2OpenJPEG",    "PNG",     "GPKG",    static_cast<const char*>(nullptr)};
 
-// Datasets read side by side share GDAL's cache of blocks; it stays small beside --memory.
-constexpr GIntBig kMostCacheBytes = GIntBig(64) << 20;
-
-void startGdal() {
-    registerGdalDrivers();
-    static std::once_flag once;
-    std::call_once(once, [] {
-        if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr)
-            GDALSetCacheMax64(std::min(GDALGetCacheMax64(), kMostCacheBytes));
-    });
-}
-
 RasterHandle openDataset(const std::string& name) {
     return RasterHandle(
         GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data()));
@@ -288,7 +276,7 @@ RasterHandle RasterFile::openAgain() const {
 }
 
 Result<OpenedRaster> openRasterFile(const std::string& path, const RasterOptions& options) {
-    startGdal();
+    registerGdalDrivers();
     const GdalQuiet quiet;
     OpenedRaster opened;
     RasterFile& file = opened.file;
