@@ -9,6 +9,7 @@
 
 #include "geo/bounds.h"
 #include "geo/frames.h"
+#include "streaming/feature_table.h"
 
 #include <cstdint>
 #include <memory>
@@ -92,7 +93,8 @@ struct TileContent {
     std::vector<Mesh> meshes;
     std::vector<Material> materials;
     std::vector<Image> images;
-    std::string batchTableJson; // b3dm's, as it is; empty when none
+    std::string batchTableJson;                   // b3dm's, as it is; empty when none
+    std::shared_ptr<const FeatureTable> features; // of Mesh::features; null when the file has none
     ContentFacts facts;
 
     std::size_t bytes() const;

@@ -1,5 +1,5 @@
 include(${CMAKE_CURRENT_LIST_DIR}/content_tests.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/tree_tests.cmake)
-foreach(part terrain qmesh buildings plants flood meshes)
+foreach(part terrain qmesh buildings plants flood meshes http loader formats metadata)
   include(${CMAKE_CURRENT_LIST_DIR}/${part}_tests.cmake OPTIONAL)
 endforeach()
