@@ -22,13 +22,16 @@ endfunction()
 # -Wno-restrict: GCC 12 sees it falsely in "text" + std::string (its bug 105651).
 function(gnomon_settings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-    -Wno-restrict -Wno-sign-conversion -Wno-float-conversion)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wno-sign-conversion -Wno-float-conversion)
   # GLM narrows dvec to vec silently without this; see geo/frames.h.
   target_compile_definitions(${target} PUBLIC GLM_FORCE_EXPLICIT_CTOR)
   # One result on every machine: no fused multiply-add behind our back.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
   if(GNOMON_SANITIZE)
-    target_compile_options(${target} PUBLIC -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(${target} PUBLIC -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer
+      -fno-sanitize-recover=all)
     target_link_options(${target} PUBLIC -fsanitize=${GNOMON_SANITIZE})
+    # An index out of a vector's size but within what it holds is seen by this alone.
+    target_compile_definitions(${target} PUBLIC _GLIBCXX_ASSERTIONS)
   endif()
 endfunction()

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -121,8 +122,15 @@ std::string makeCurrent(EGLDisplay display, EGLContext& context) {
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                  EGL_CONTEXT_OPENGL_DEBUG,
                                  EGL_TRUE,
+                                 EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                 EGL_LOSE_CONTEXT_ON_RESET,
                                  EGL_NONE};
     context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+    if (context == EGL_NO_CONTEXT) { // a driver that cannot tell of resets; see Context::lost()
+        std::vector<EGLint> without(std::begin(attributes), std::end(attributes) - 3);
+        without.push_back(EGL_NONE);
+        context = eglCreateContext(display, config, EGL_NO_CONTEXT, without.data());
+    }
     if (context == EGL_NO_CONTEXT)
         return "has no OpenGL 4.5 core context";
     if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
@@ -190,6 +198,18 @@ void Context::finish() const {
 
 bool Context::lost() const {
     return glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
+
+bool Context::outOfMemory() const {
+    bool out = false;
+    constexpr int kMostFlags = 16; // a lost context may report without end
+    for (int i = 0; i < kMostFlags; ++i) {
+        const GLenum error = glGetError();
+        out = out || error == GL_OUT_OF_MEMORY;
+        if (error == GL_NO_ERROR)
+            break;
+    }
+    return out;
 }
 
 } // namespace gnomon::render

@@ -33,6 +33,9 @@ class Context {
     void finish() const;
     // True once the driver lost the context (GL_KHR_robustness); nothing drawn since is valid.
     bool lost() const;
+    // True once after the driver said that it has no memory left for something it was asked to
+    // hold; nothing drawn with that is valid.
+    bool outOfMemory() const;
 
   private:
     struct Egl;

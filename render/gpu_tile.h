@@ -29,8 +29,11 @@ struct GpuMaterial {
 
 class GpuTile {
   public:
-    // `warnings` gets a line for each texture that had to be scaled down.
+    // All at once; in parts see gpu_tile_upload.h. `warnings` gets a line for each texture that had
+    // to be scaled down.
     GpuTile(const TileContent& content, std::vector<std::string>& warnings);
+    // What bytes() will be of this content; more where a texture has to be scaled down.
+    static std::size_t bytesOf(const TileContent& content);
 
     const std::vector<GpuMesh>& meshes() const { return meshes_; }
     const GpuMaterial& material(const GpuMesh& mesh) const { return materials_[mesh.material]; }
@@ -41,8 +44,8 @@ class GpuTile {
     std::size_t bytes() const { return bytes_; }
 
   private:
-    void uploadGeometry(const TileContent& content);
-    void uploadTextures(const TileContent& content, std::vector<std::string>& warnings);
+    friend class GpuTileUpload;
+    GpuTile() = default;
 
     std::vector<GpuMesh> meshes_;
     std::vector<GpuMaterial> materials_;

@@ -5,6 +5,7 @@
 #include <epoxy/gl.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <string>
@@ -44,6 +45,17 @@ std::string defineLines(std::string_view words) {
     return lines;
 }
 
+// What the driver says goes over many lines; the first tells what is wrong.
+[[noreturn]] void stop(const std::string& what, const std::vector<char>& log) {
+    std::string line(log.data());
+    line = line.substr(0, line.find_first_of("\r\n"));
+    std::fprintf(stderr, "error: %s: cannot be used by this OpenGL driver: %s\n", what.c_str(),
+                 line.c_str());
+    std::fflush(nullptr);
+    constexpr int kCannotBeUsed = 65;
+    std::_Exit(kCannotBeUsed); // whatever is being written has a temporary name
+}
+
 unsigned compile(unsigned stage, std::string_view file, std::string_view defines) {
     std::string source = expand(file);
     // After the first line, which is #version.
@@ -57,8 +69,7 @@ unsigned compile(unsigned stage, std::string_view file, std::string_view defines
     if (!ok) {
         std::vector<char> log(4096);
         glGetShaderInfoLog(shader, int(log.size()), nullptr, log.data());
-        spdlog::critical("shader {}: {}", file, log.data());
-        std::abort();
+        stop("shader " + std::string(file), log);
     }
     return shader;
 }
@@ -80,8 +91,7 @@ Program::Program(std::string_view vertexFile, std::string_view fragmentFile,
     if (!ok) {
         std::vector<char> log(4096);
         glGetProgramInfoLog(handle_.id(), int(log.size()), nullptr, log.data());
-        spdlog::critical("shaders {} and {}: {}", vertexFile, fragmentFile, log.data());
-        std::abort();
+        stop("shaders " + std::string(vertexFile) + " and " + std::string(fragmentFile), log);
     }
 }
 

@@ -1,5 +1,6 @@
 // A linked GLSL program made from the files of shaders/. `#include "x"` is replaced by that file.
-// A shader that does not compile is our own mistake: the log is printed and the program stops.
+// A shader that does not compile is our own mistake or the driver's: it is named in one line, and
+// the program ends as without a usable OpenGL (exit code 65).
 #pragma once
 
 #include "render/handles.h"

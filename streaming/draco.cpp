@@ -46,7 +46,7 @@ std::uint32_t readCount(draco::DecoderBuffer& buffer, bool varint) {
 
 // What stands before the connectivity, by the Draco bitstream specification (2.2 and what older
 // writers had instead).
-Counts readHeaderCounts(std::span<const std::byte> bytes) {
+Counts readHeaderCounts(std::span<const std::byte> bytes, draco::EncodedGeometryType wanted) {
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     char magic[5];
@@ -59,8 +59,8 @@ Counts readHeaderCounts(std::span<const std::byte> bytes) {
         !buffer.Decode(&method) || !buffer.Decode(&flags)) {
         bad("data ends inside its header");
     }
-    if (type != draco::TRIANGULAR_MESH) {
-        bad("not a triangle mesh");
+    if (type != wanted) {
+        bad(wanted == draco::POINT_CLOUD ? "not a point cloud" : "not a triangle mesh");
     }
     const unsigned version = major * 256u + minor;
     buffer.set_bitstream_version(std::uint16_t(version));
@@ -72,6 +72,10 @@ Counts readHeaderCounts(std::span<const std::byte> bytes) {
     }
     const bool varint = version >= 0x0202;
     Counts counts;
+    if (wanted == draco::POINT_CLOUD) {
+        counts.vertices = readCount(buffer, false);
+        return counts;
+    }
     if (method == draco::MESH_SEQUENTIAL_ENCODING) {
         counts.faces = readCount(buffer, varint);
         counts.vertices = readCount(buffer, varint);
@@ -155,8 +159,9 @@ ComponentType componentTypeOf(draco::DataType type) {
     }
 }
 
-DracoAttribute readAttribute(const draco::Mesh& mesh, std::uint32_t uniqueId, ByteBudget& budget) {
-    const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(uniqueId);
+DracoAttribute readAttribute(const draco::PointCloud& cloud, std::uint32_t uniqueId,
+                             ByteBudget& budget) {
+    const draco::PointAttribute* attribute = cloud.GetAttributeByUniqueId(uniqueId);
     if (!attribute) {
         bad("no attribute with unique id " + std::to_string(uniqueId));
     }
@@ -170,9 +175,9 @@ DracoAttribute readAttribute(const draco::Mesh& mesh, std::uint32_t uniqueId, By
     out.isSigned = type.isSigned;
     const std::uint64_t size = std::uint64_t(draco::DataTypeLength(attribute->data_type()));
     const std::uint64_t held = attribute->buffer() ? attribute->buffer()->data_size() : 0;
-    const std::uint64_t points = mesh.num_points();
+    const std::uint64_t points = cloud.num_points();
     if (!attribute->is_mapping_identity() && attribute->indices_map_size() < points) {
-        bad("attribute maps fewer points than the mesh has");
+        bad("attribute maps fewer points than there are");
     }
     budget.take(points * std::uint64_t(out.components), sizeof(double), "Draco attribute");
     out.values.resize(points * std::size_t(out.components));
@@ -197,7 +202,7 @@ DracoAttribute readAttribute(const draco::Mesh& mesh, std::uint32_t uniqueId, By
 
 DracoMesh decodeDraco(std::span<const std::byte> bytes, std::span<const std::uint32_t> uniqueIds,
                       const DracoExpectation& expected, ByteBudget& budget) {
-    checkCounts(readHeaderCounts(bytes), expected, budget);
+    checkCounts(readHeaderCounts(bytes, draco::TRIANGULAR_MESH), expected, budget);
 
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -226,6 +231,35 @@ DracoMesh decodeDraco(std::span<const std::byte> bytes, std::span<const std::uin
     }
     for (const std::uint32_t id : uniqueIds) {
         out.attributes.push_back(readAttribute(*mesh, id, budget));
+    }
+    return out;
+}
+
+DracoMesh decodeDracoPoints(std::span<const std::byte> bytes,
+                            std::span<const std::uint32_t> uniqueIds, std::uint32_t points,
+                            ByteBudget& budget) {
+    const Counts counts = readHeaderCounts(bytes, draco::POINT_CLOUD);
+    if (counts.vertices != points) {
+        bad("header claims " + std::to_string(counts.vertices) + " points of " +
+            std::to_string(points));
+    }
+    checkCounts(counts, {points, 0}, budget);
+
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    draco::Decoder decoder;
+    auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
+    if (!decoded.ok()) {
+        bad(decoded.status().error_msg_string());
+    }
+    const std::unique_ptr<draco::PointCloud> cloud = std::move(decoded).value();
+    if (!cloud || cloud->num_points() != points) {
+        bad("not the points its header claims");
+    }
+    DracoMesh out;
+    out.points = points;
+    for (const std::uint32_t id : uniqueIds) {
+        out.attributes.push_back(readAttribute(*cloud, id, budget));
     }
     return out;
 }

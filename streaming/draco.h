@@ -1,4 +1,5 @@
-// KHR_draco_mesh_compression: one Draco buffer to indices and raw attribute values.
+// KHR_draco_mesh_compression and 3DTILES_draco_point_compression: one Draco buffer to indices and
+// raw attribute values.
 //
 // The library believes the counts in its header (87 bytes may ask for 8 GB) and hands out indices
 // it never checked, so the header is read here first and every index is checked afterwards.
@@ -36,5 +37,10 @@ struct DracoExpectation {
 // `uniqueIds` are the attributes wanted. Throws BadContent.
 DracoMesh decodeDraco(std::span<const std::byte> bytes, std::span<const std::uint32_t> uniqueIds,
                       const DracoExpectation& expected, ByteBudget& budget);
+
+// A cloud of exactly `points`; without indices. Throws BadContent.
+DracoMesh decodeDracoPoints(std::span<const std::byte> bytes,
+                            std::span<const std::uint32_t> uniqueIds, std::uint32_t points,
+                            ByteBudget& budget);
 
 } // namespace gnomon

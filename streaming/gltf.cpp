@@ -1,5 +1,6 @@
 #include "streaming/gltf.h"
 
+#include "streaming/gltf_features.h"
 #include "streaming/gltf_parts.h"
 #include "streaming/tinygltf.h"
 
@@ -14,11 +15,12 @@ namespace {
 
 // What we read, and what changes only looks we do not have. Anything else that a file requires is
 // refused by name.
-constexpr std::array<std::string_view, 31> kKnownExtensions{"CESIUM_RTC",
+constexpr std::array<std::string_view, 33> kKnownExtensions{"CESIUM_RTC",
                                                             "CESIUM_primitive_outline",
                                                             "EXT_instance_features",
                                                             "EXT_mesh_features",
                                                             "EXT_mesh_gpu_instancing",
+                                                            "EXT_meshopt_compression",
                                                             "EXT_structural_metadata",
                                                             "EXT_texture_webp",
                                                             "KHR_draco_mesh_compression",
@@ -37,6 +39,7 @@ constexpr std::array<std::string_view, 31> kKnownExtensions{"CESIUM_RTC",
                                                             "KHR_materials_variants",
                                                             "KHR_materials_volume",
                                                             "KHR_mesh_quantization",
+                                                            "KHR_meshopt_compression",
                                                             "KHR_techniques_webgl",
                                                             "KHR_texture_basisu",
                                                             "KHR_texture_transform",
@@ -106,12 +109,36 @@ glm::dvec3 rtcOf(const tinygltf::Model& model) {
     return {center[0], center[1], center[2]};
 }
 
-// EXT_mesh_gpu_instancing; one identity when the node has none.
-std::vector<glm::dmat4> instancesOf(const GltfDocument& document, const tinygltf::Node& node,
-                                    ByteBudget& budget) {
+// One place where a mesh stands.
+struct Copy {
+    glm::dmat4 tileFromMesh{1.0};
+    std::optional<std::uint32_t> feature; // of the whole; else the vertices' own
+};
+
+// Sets the features of a node's instances.
+void addFeatures(const GltfDocument& document, const FeatureIds& ids, std::vector<Copy>& copies,
+                 Warnings& warnings) {
+    if (ids.implicit) {
+        for (std::size_t i = 0; i < copies.size(); ++i) {
+            copies[i].feature = ids.rowOfNumber(i);
+        }
+    } else if (ids.accessor >= 0) {
+        const AccessorReader reader(document, ids.accessor);
+        if (reader.components() != 1 || reader.count() < copies.size()) {
+            return warnings.add("EXT_instance_features with ids for too few of the instances");
+        }
+        for (std::size_t i = 0; i < copies.size(); ++i) {
+            copies[i].feature = ids.rowOf(reader.value(i, 0));
+        }
+    }
+}
+
+// EXT_mesh_gpu_instancing; one where it is when the node has none.
+std::vector<Copy> instancesOf(const GltfDocument& document, const tinygltf::Node& node,
+                              ByteBudget& budget) {
     const auto it = node.extensions.find("EXT_mesh_gpu_instancing");
     if (it == node.extensions.end()) {
-        return {glm::dmat4(1.0)};
+        return {Copy{}};
     }
     const tinygltf::Value* attributes = member(it->second, "attributes");
     const auto open = [&](const char* name, int components) {
@@ -134,10 +161,10 @@ std::vector<glm::dmat4> instancesOf(const GltfDocument& document, const tinygltf
         count = *reader ? (*reader)->count() : count;
     }
     if (!count) {
-        return {glm::dmat4(1.0)};
+        return {Copy{}};
     }
-    budget.take(*count, sizeof(glm::dmat4) * 2, "instances");
-    std::vector<glm::dmat4> out;
+    budget.take(*count, sizeof(Copy) * 2, "instances");
+    std::vector<Copy> out;
     out.reserve(*count);
     for (std::size_t i = 0; i < *count; ++i) {
         const auto vec3 = [i](const std::optional<AccessorReader>& a, double otherwise) {
@@ -147,7 +174,7 @@ std::vector<glm::dmat4> instancesOf(const GltfDocument& document, const tinygltf
         const glm::dvec4 q = r ? glm::dvec4(r->normalizedValue(i, 0), r->normalizedValue(i, 1),
                                             r->normalizedValue(i, 2), r->normalizedValue(i, 3))
                                : glm::dvec4(0.0, 0.0, 0.0, 1.0);
-        out.push_back(composeTrs(vec3(t, 0.0), q, vec3(s, 1.0)));
+        out.push_back({composeTrs(vec3(t, 0.0), q, vec3(s, 1.0)), {}});
     }
     return out;
 }
@@ -155,7 +182,7 @@ std::vector<glm::dmat4> instancesOf(const GltfDocument& document, const tinygltf
 // Where each mesh stands, by mesh in the order first met.
 struct Placed {
     int mesh = -1;
-    std::vector<glm::dmat4> tileFromMesh;
+    std::vector<Copy> copies;
 };
 
 std::vector<int> rootNodes(const tinygltf::Model& model) {
@@ -183,7 +210,7 @@ std::vector<int> rootNodes(const tinygltf::Model& model) {
 }
 
 std::vector<Placed> walk(const GltfDocument& document, const glm::dmat4& tileFromGltf,
-                         Warnings& warnings, ByteBudget& budget) {
+                         const GltfFeatures& features, Warnings& warnings, ByteBudget& budget) {
     const auto& model = document.model();
     struct Visit {
         int node;
@@ -221,8 +248,11 @@ std::vector<Placed> walk(const GltfDocument& document, const glm::dmat4& tileFro
             if (isNew) {
                 placed.push_back({node.mesh, {}});
             }
-            for (const glm::dmat4& instance : instancesOf(document, node, budget)) {
-                placed[it->second].tileFromMesh.push_back(tileFromNode * instance);
+            std::vector<Copy> copies = instancesOf(document, node, budget);
+            addFeatures(document, features.ofInstances(node), copies, warnings);
+            for (Copy& copy : copies) {
+                copy.tileFromMesh = tileFromNode * copy.tileFromMesh;
+                placed[it->second].copies.push_back(copy);
             }
         }
         push(node.children, tileFromNode);
@@ -230,41 +260,71 @@ std::vector<Placed> walk(const GltfDocument& document, const glm::dmat4& tileFro
     return placed;
 }
 
-void append(const PrimitiveData& primitive, const glm::dmat4& tileFromMesh, std::uint32_t material,
-            Soup& soup) {
-    const glm::dmat3 axes(tileFromMesh);
-    const bool mirrored = glm::determinant(axes) < 0.0;
+// The places, normals and attributes of a copy's vertices behind those there are: of a soup or a
+// cloud alike.
+void appendVertices(const PrimitiveData& primitive, const Copy& copy,
+                    std::vector<glm::dvec3>& positions, std::vector<glm::vec3>& normals,
+                    std::vector<std::uint32_t>& colors, std::vector<std::uint32_t>& features) {
+    const glm::dmat3 axes(copy.tileFromMesh);
     // The inverse transpose but for its scale, which needs no inverse.
     const glm::dmat3 normalAxes =
-        (mirrored ? -1.0 : 1.0) * glm::dmat3(glm::cross(axes[1], axes[2]),
-                                             glm::cross(axes[2], axes[0]),
-                                             glm::cross(axes[0], axes[1]));
-    const std::uint32_t first = std::uint32_t(soup.positions.size());
-    const std::size_t n = primitive.positions.size();
+        (glm::determinant(axes) < 0.0 ? -1.0 : 1.0) * glm::dmat3(glm::cross(axes[1], axes[2]),
+                                                                 glm::cross(axes[2], axes[0]),
+                                                                 glm::cross(axes[0], axes[1]));
     for (const glm::dvec3& p : primitive.positions) {
-        soup.positions.push_back(glm::dvec3(tileFromMesh * glm::dvec4(p, 1.0)));
+        positions.push_back(glm::dvec3(copy.tileFromMesh * glm::dvec4(p, 1.0)));
     }
     for (const glm::vec3& normal : primitive.normals) {
         const glm::dvec3 turned = normalAxes * glm::dvec3(normal);
         const double length = glm::length(turned);
-        soup.normals.push_back(length > 0.0 && std::isfinite(length) ? glm::vec3(turned / length)
-                                                                     : glm::vec3(0.0f));
+        normals.push_back(length > 0.0 && std::isfinite(length) ? glm::vec3(turned / length)
+                                                                : glm::vec3(0.0f));
     }
-    soup.normals.resize(first + n, glm::vec3(0.0f));
+    colors.insert(colors.end(), primitive.colors.begin(), primitive.colors.end());
+    if (!copy.feature) {
+        features.insert(features.end(), primitive.features.begin(), primitive.features.end());
+    }
+    normals.resize(positions.size(), glm::vec3(0.0f));
+    colors.resize(positions.size(), 0xffffffffu);
+    features.resize(positions.size(), copy.feature.value_or(kNoFeature));
+}
+
+void append(const PrimitiveData& primitive, const Copy& copy, std::uint32_t material, Soup& soup) {
+    const bool mirrored = glm::determinant(glm::dmat3(copy.tileFromMesh)) < 0.0;
+    const std::uint32_t first = std::uint32_t(soup.positions.size());
+    appendVertices(primitive, copy, soup.positions, soup.normals, soup.colors, soup.features);
     soup.uvs.insert(soup.uvs.end(), primitive.uvs.begin(), primitive.uvs.end());
-    soup.uvs.resize(first + n, glm::vec2(0.0f));
-    soup.colors.insert(soup.colors.end(), primitive.colors.begin(), primitive.colors.end());
-    soup.colors.resize(first + n, 0xffffffffu);
-    soup.features.insert(soup.features.end(), primitive.features.begin(), primitive.features.end());
-    soup.features.resize(first + n, kNoFeature);
+    soup.uvs.resize(soup.positions.size(), glm::vec2(0.0f));
+    const std::uint32_t attributes = primitive.attributes | (copy.feature ? Soup::Features : 0u);
     for (const auto& t : primitive.triangles) {
-        Soup::Triangle triangle{
-            {first + t[0], first + t[1], first + t[2]}, material, primitive.attributes};
+        Soup::Triangle triangle{{first + t[0], first + t[1], first + t[2]}, material, attributes};
         if (mirrored) {
             std::swap(triangle.vertex[1], triangle.vertex[2]);
         }
         soup.triangles.push_back(triangle);
     }
+}
+
+PointCloud cloudOf(const PrimitiveData& primitive, const std::vector<Copy>& copies,
+                   std::uint32_t material) {
+    PointCloud cloud;
+    cloud.material = material;
+    bool hasFeatures = primitive.attributes & Soup::Features;
+    for (const Copy& copy : copies) {
+        appendVertices(primitive, copy, cloud.positions, cloud.normals, cloud.colors,
+                       cloud.features);
+        hasFeatures = hasFeatures || copy.feature;
+    }
+    if (!(primitive.attributes & Soup::Normals)) {
+        cloud.normals = {};
+    }
+    if (!(primitive.attributes & Soup::Colors)) {
+        cloud.colors = {};
+    }
+    if (!hasFeatures) {
+        cloud.features = {};
+    }
+    return cloud;
 }
 
 std::vector<std::string> extensionsOf(const tinygltf::Model& model) {
@@ -306,26 +366,32 @@ GltfContent readGltf(std::span<const std::byte> bytes, const DecodeOptions& opti
     const glm::dmat4 tileFromGltf =
         translation(rtcCenter ? *rtcCenter : rtcOf(model)) * zUpFrom(options.gltfUpAxis);
     MaterialTable materials(document, warnings, budget);
-    for (const Placed& placed : walk(document, tileFromGltf, warnings, budget)) {
+    const GltfFeatures features(document, options, warnings, budget);
+    for (const Placed& placed : walk(document, tileFromGltf, features, warnings, budget)) {
         for (const auto& primitive : model.meshes[std::size_t(placed.mesh)].primitives) {
             if (primitive.extensions.contains("MAXAR_nonvisual_geometry")) {
                 warnings.add("MAXAR_nonvisual_geometry is not drawn");
                 continue;
             }
             const MaterialTable::Entry& material = materials.use(primitive.material);
-            const PrimitiveData data =
-                readPrimitive(document, primitive, material.mapping, warnings, budget);
-            const std::uint64_t copies = placed.tileFromMesh.size();
+            const PrimitiveData data = readPrimitive(document, primitive, material.mapping,
+                                                     features.of(primitive), warnings, budget);
+            const std::uint64_t copies = placed.copies.size();
             const std::uint64_t each = data.positions.size() * kBytesPerSoupVertex +
                                        data.triangles.size() * kBytesPerSoupTriangle;
             budget.take(copies, std::max<std::uint64_t>(each, 1), "geometry");
-            for (const glm::dmat4& matrix : placed.tileFromMesh) {
-                append(data, matrix, material.index, out.soup);
+            if (data.isPoints) {
+                out.points.push_back(cloudOf(data, placed.copies, material.index));
+                continue;
+            }
+            for (const Copy& copy : placed.copies) {
+                append(data, copy, material.index, out.soup);
             }
         }
     }
     out.materials = std::move(materials.materials);
     out.images = std::move(materials.images);
+    out.features = features.table();
     out.extensions = extensionsOf(model);
     out.copyright = model.asset.copyright;
     out.warnings = warnings.all();

@@ -1,8 +1,10 @@
-// glTF 2.0 to one soup of triangles in the tile's frame: nodes, instances, RTC and the up axis are
-// applied; primitives of every triangle mode, Draco, quantisation and sparse accessors are read.
+// glTF 2.0 to one soup of triangles, and clouds of points, in the tile's frame: nodes, instances,
+// RTC and the up axis are applied; primitives of every mode but lines, Draco, meshopt, quantisation
+// and sparse accessors are read.
 #pragma once
 
 #include "streaming/content.h"
+#include "streaming/points.h"
 #include "streaming/soup.h"
 
 #include <optional>
@@ -13,8 +15,10 @@ namespace gnomon {
 
 struct GltfContent {
     Soup soup;
+    std::vector<PointCloud> points;
     std::vector<Material> materials; // those that are used
     std::vector<Image> images;
+    std::shared_ptr<const FeatureTable> features;
     std::vector<std::string> extensions;
     std::string copyright;
     std::vector<std::string> warnings;

@@ -1,4 +1,5 @@
 #include "streaming/gltf_document.h"
+#include "streaming/meshopt.h"
 #include "streaming/tinygltf.h"
 
 #include <algorithm>
@@ -7,6 +8,12 @@
 #include <limits>
 
 namespace gnomon {
+
+struct PackedView {
+    int index = 0;
+    std::uint64_t buffer = 0, offset = 0, length = 0;
+    MeshoptView data; // but for its bytes
+};
 
 namespace {
 
@@ -67,6 +74,53 @@ std::vector<ImageSource> imageSources(const Json& root) {
         images.push_back(std::move(source));
     }
     return images;
+}
+
+// EXT_meshopt_compression of a buffer or a view, or the extension of Khronos that it became; null
+// when there is neither.
+const Json* meshoptOf(const Json& object) {
+    const auto extensions = object.is_object() ? object.find("extensions") : object.end();
+    if (!object.is_object() || extensions == object.end() || !extensions->is_object()) {
+        return nullptr;
+    }
+    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+        if (const auto it = extensions->find(name); it != extensions->end() && it->is_object()) {
+            return &*it;
+        }
+    }
+    return nullptr;
+}
+
+// A buffer that holds nothing we need: what its views would show is compressed in another.
+bool isFallback(const Json& buffer) {
+    const Json* meshopt = meshoptOf(buffer);
+    return meshopt && meshopt->contains("fallback") && (*meshopt)["fallback"] == true;
+}
+
+std::vector<PackedView> packedViews(const Json& root) {
+    std::vector<PackedView> out;
+    const Json& views = arrayOf(root, "bufferViews");
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const Json* meshopt = meshoptOf(views[i]);
+        if (!meshopt) {
+            continue;
+        }
+        const auto buffer = unsignedIn(*meshopt, "buffer");
+        const auto length = unsignedIn(*meshopt, "byteLength");
+        const auto stride = unsignedIn(*meshopt, "byteStride");
+        const auto count = unsignedIn(*meshopt, "count");
+        if (!buffer || !length || !stride || !count) {
+            throw BadContent{"bufferView " + std::to_string(i) +
+                             " has a malformed EXT_meshopt_compression"};
+        }
+        out.push_back(
+            {int(i),
+             *buffer,
+             unsignedIn(*meshopt, "byteOffset").value_or(0),
+             *length,
+             {{}, *count, *stride, stringIn(*meshopt, "mode"), stringIn(*meshopt, "filter")}});
+    }
+    return out;
 }
 
 std::string oneLine(std::string text) {
@@ -278,12 +332,18 @@ GltfDocument::GltfDocument(Span bytes, const DecodeOptions& options, ByteBudget&
         throw BadContent{"glTF: malformed JSON"};
     }
     checkModelSize(root, budget);
+    json_ = {text, length};
 
     images_ = imageSources(root);
     for (const Json& buffer : arrayOf(root, "buffers")) {
+        if (isFallback(buffer)) {
+            buffers_.push_back({});
+            continue;
+        }
         addBuffer(buffer.is_object() ? unsignedIn(buffer, "byteLength") : std::nullopt,
                   buffer.is_object() ? stringIn(buffer, "uri") : std::string(), chunks.bin, budget);
     }
+    unpackViews(packedViews(root), budget);
     const int standIn = addStandIn(root);
     model_ = loadModel(strippedJson(root));
     removeStandIn(*model_, standIn);
@@ -303,12 +363,29 @@ void GltfDocument::addBuffer(std::optional<std::uint64_t> size, const std::strin
     } else if (buffers_.empty()) {
         data = bin;
     }
-    const bool placeholder = uri.empty() && data.empty(); // EXT_meshopt_compression has such
+    const bool placeholder = uri.empty() && data.empty(); // writers forget to call it a fallback
     if (!placeholder && *size > data.size()) {
         throw BadContent{named + " should have " + std::to_string(*size) + " bytes, but has " +
                          std::to_string(data.size())};
     }
     buffers_.push_back(placeholder ? data : data.first(std::size_t(*size)));
+}
+
+void GltfDocument::unpackViews(const std::vector<PackedView>& views, ByteBudget& budget) {
+    for (const PackedView& view : views) {
+        const std::string named = "bufferView " + std::to_string(view.index);
+        const Span buffer = view.buffer < buffers_.size() ? buffers_[view.buffer] : Span{};
+        if (view.offset > buffer.size() || view.length > buffer.size() - view.offset) {
+            throw BadContent{named + " lies outside its buffer"};
+        }
+        MeshoptView data = view.data;
+        data.bytes = buffer.subspan(std::size_t(view.offset), std::size_t(view.length));
+        try {
+            unpacked_.emplace(view.index, decodeMeshopt(data, budget));
+        } catch (const BadContent& bad) {
+            throw BadContent{named + ": " + bad.reason};
+        }
+    }
 }
 
 Bytes GltfDocument::readUri(const std::string& uri) const {
@@ -330,16 +407,16 @@ Span GltfDocument::view(int index) const {
     if (index < 0 || std::size_t(index) >= model_->bufferViews.size()) {
         throw BadContent{named + " does not exist"};
     }
+    if (const auto it = unpacked_.find(index); it != unpacked_.end()) {
+        return it->second;
+    }
     const tinygltf::BufferView& view = model_->bufferViews[std::size_t(index)];
     if (view.buffer < 0 || std::size_t(view.buffer) >= buffers_.size()) {
         throw BadContent{named + " names a buffer that does not exist"};
     }
     const Span buffer = buffers_[std::size_t(view.buffer)];
     if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
-        throw BadContent{named + (view.extensions.contains("EXT_meshopt_compression")
-                                      ? " is compressed with EXT_meshopt_compression, which is not "
-                                        "supported for now"
-                                      : " lies outside its buffer")};
+        throw BadContent{named + " lies outside its buffer"};
     }
     return buffer.subspan(view.byteOffset, view.byteLength);
 }

@@ -9,6 +9,7 @@
 #include "streaming/soup.h"
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,6 +44,9 @@ struct ImageSource {
     std::string uri;
 };
 
+// A buffer view that EXT_meshopt_compression keeps elsewhere, as its JSON has it.
+struct PackedView;
+
 class GltfDocument {
   public:
     // `bytes` are a GLB or glTF JSON and must outlive the document.
@@ -53,7 +57,9 @@ class GltfDocument {
     GltfDocument& operator=(const GltfDocument&) = delete;
 
     const tinygltf::Model& model() const { return *model_; }
-    // The bytes of a buffer view, inside its buffer for certain.
+    // The file's JSON as it is, well formed for certain.
+    std::string_view json() const { return json_; }
+    // The bytes of a buffer view, inside its buffer for certain; unpacked where it is compressed.
     std::span<const std::byte> view(int bufferView) const;
     // The file's bytes of an image, wherever they are.
     Bytes imageBytes(int image) const;
@@ -64,12 +70,16 @@ class GltfDocument {
   private:
     void addBuffer(std::optional<std::uint64_t> size, const std::string& uri,
                    std::span<const std::byte> bin, ByteBudget& budget);
+    // Those that are compressed with meshopt.
+    void unpackViews(const std::vector<PackedView>& views, ByteBudget& budget);
     Bytes readUri(const std::string& uri) const;
 
     const DecodeOptions& options_;
+    std::string_view json_;
     std::unique_ptr<tinygltf::Model> model_;
     std::vector<Bytes> owned_;
     std::vector<std::span<const std::byte>> buffers_;
+    std::map<int, Bytes> unpacked_; // by buffer view
     std::vector<ImageSource> images_;
 };
 

@@ -52,6 +52,59 @@ TextureMapping mappingOf(int texCoord, const tinygltf::Value* transform) {
     return mapping;
 }
 
+struct BaseColor {
+    glm::vec4 factor{1.0f};
+    int texture = -1, texCoord = 0;
+    const tinygltf::Value* transform = nullptr; // KHR_texture_transform
+
+    // Of a textureInfo inside an extension.
+    void setTexture(const tinygltf::Value& info) {
+        texture = indexIn(info, "index").value_or(-1);
+        texCoord = indexIn(info, "texCoord").value_or(0);
+        const tinygltf::Value* extensions = member(info, "extensions");
+        transform = extensions ? member(*extensions, "KHR_texture_transform") : nullptr;
+    }
+};
+
+// Shaders of their own, which many of the first tilesets have, cannot be run here; their values
+// tell the colour all the same, by a name that everybody used.
+void readTechnique(const tinygltf::Value& technique, BaseColor& out) {
+    const tinygltf::Value* values = member(technique, "values");
+    for (const char* name : {"u_diffuse", "u_tex", "diffuse"}) {
+        const tinygltf::Value* value = values ? member(*values, name) : nullptr;
+        if (value && value->IsObject()) {
+            return out.setTexture(*value);
+        }
+        if (value) {
+            if (const auto rgba = numbersIn(*values, name, 4); !rgba.empty()) {
+                out.factor = colorOf(rgba);
+            }
+            return;
+        }
+    }
+}
+
+BaseColor baseColorOf(const tinygltf::Material& in) {
+    BaseColor out;
+    const auto& pbr = in.pbrMetallicRoughness;
+    out.factor = colorOf(pbr.baseColorFactor);
+    out.texture = pbr.baseColorTexture.index;
+    out.texCoord = pbr.baseColorTexture.texCoord;
+    out.transform = extension(pbr.baseColorTexture.extensions, "KHR_texture_transform");
+    if (const auto* v = extension(in.extensions, "KHR_materials_pbrSpecularGlossiness")) {
+        if (const auto rgba = numbersIn(*v, "diffuseFactor", 4); !rgba.empty()) {
+            out.factor = colorOf(rgba);
+        }
+        if (const tinygltf::Value* info = member(*v, "diffuseTexture")) {
+            out.setTexture(*info);
+        }
+    }
+    if (const auto* v = extension(in.extensions, "KHR_techniques_webgl"); v && out.texture < 0) {
+        readTechnique(*v, out);
+    }
+    return out;
+}
+
 } // namespace
 
 void Warnings::add(const std::string& text) {
@@ -83,29 +136,18 @@ const MaterialTable::Entry& MaterialTable::use(int material) {
     entry.index = std::uint32_t(materials.size());
     if (material >= 0) {
         const tinygltf::Material& in = all[std::size_t(material)];
-        const auto& pbr = in.pbrMetallicRoughness;
-        out.baseColor = colorOf(pbr.baseColorFactor);
-        int texture = pbr.baseColorTexture.index, texCoord = pbr.baseColorTexture.texCoord;
-        const tinygltf::Value* transform =
-            extension(pbr.baseColorTexture.extensions, "KHR_texture_transform");
-        if (const auto* v = extension(in.extensions, "KHR_materials_pbrSpecularGlossiness")) {
-            if (const auto rgba = numbersIn(*v, "diffuseFactor", 4); !rgba.empty()) {
-                out.baseColor = colorOf(rgba);
-            }
-            if (const tinygltf::Value* info = member(*v, "diffuseTexture")) {
-                texture = indexIn(*info, "index").value_or(-1);
-                texCoord = indexIn(*info, "texCoord").value_or(0);
-                const tinygltf::Value* extensions = member(*info, "extensions");
-                transform = extensions ? member(*extensions, "KHR_texture_transform") : nullptr;
-            }
+        const BaseColor base = baseColorOf(in);
+        if (extension(in.extensions, "KHR_techniques_webgl")) {
+            warnings_.add(
+                "shaders of KHR_techniques_webgl are not run: drawn in their colour alone");
         }
+        out.baseColor = base.factor;
         out.unlit = extension(in.extensions, "KHR_materials_unlit") != nullptr;
         out.alphaTest = in.alphaMode == "MASK" || in.alphaMode == "BLEND";
         out.alphaCutoff = in.alphaMode == "MASK" ? float(in.alphaCutoff) : 0.5f;
-        if (texture >= 0) {
-            TextureMapping mapping = mappingOf(texCoord, transform);
-            readTexture(texture, out, mapping);
-            entry.mapping = mapping;
+        if (base.texture >= 0) {
+            entry.mapping = mappingOf(base.texCoord, base.transform);
+            readTexture(base.texture, out, entry.mapping);
         }
     }
     materials.push_back(out);

@@ -66,8 +66,9 @@ class MaterialTable {
 glm::dmat4 composeTrs(const glm::dvec3& translation, const glm::dvec4& rotation,
                       const glm::dvec3& scale);
 
-// Only the vertices its triangles use, in the mesh's own frame.
+// Only the vertices its triangles use, in the mesh's own frame; or points, without triangles.
 struct PrimitiveData {
+    bool isPoints = false;
     std::vector<glm::dvec3> positions;
     std::vector<glm::vec3> normals;
     std::vector<glm::vec2> uvs;
@@ -76,8 +77,9 @@ struct PrimitiveData {
     std::uint32_t attributes = 0; // Soup::Attribute
 };
 
+struct FeatureIds; // streaming/gltf_features.h
 PrimitiveData readPrimitive(const GltfDocument& document, const tinygltf::Primitive& primitive,
-                            const TextureMapping& mapping, Warnings& warnings,
-                            const ByteBudget& budget);
+                            const TextureMapping& mapping, const FeatureIds& features,
+                            Warnings& warnings, const ByteBudget& budget);
 
 } // namespace gnomon

@@ -1,4 +1,5 @@
 #include "streaming/draco.h"
+#include "streaming/gltf_features.h"
 #include "streaming/gltf_parts.h"
 #include "streaming/tinygltf.h"
 
@@ -49,36 +50,6 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 const tinygltf::Value* extensionOf(const tinygltf::Primitive& primitive, const char* name) {
     const auto it = primitive.extensions.find(name);
     return it != primitive.extensions.end() ? &it->second : nullptr;
-}
-
-struct FeatureChoice {
-    std::string attribute; // empty: the vertex's own number, when `implicit`
-    bool implicit = false;
-    std::optional<int> nullId;
-};
-
-FeatureChoice chooseFeatures(const tinygltf::Primitive& primitive) {
-    FeatureChoice choice;
-    if (const tinygltf::Value* mesh = extensionOf(primitive, "EXT_mesh_features")) {
-        const tinygltf::Value* ids = member(*mesh, "featureIds");
-        if (ids && ids->ArrayLen() > 0 && ids->Get(0).IsObject()) {
-            const tinygltf::Value& first = ids->Get(0);
-            choice.nullId = indexIn(first, "nullFeatureId");
-            if (const auto attribute = indexIn(first, "attribute")) {
-                choice.attribute = "_FEATURE_ID_" + std::to_string(*attribute);
-            } else {
-                choice.implicit = !first.Has("texture");
-            }
-            return choice;
-        }
-    }
-    for (const char* name : {"_FEATURE_ID_0", "_BATCHID", "BATCHID"}) {
-        if (primitive.attributes.contains(name)) {
-            choice.attribute = name;
-            return choice;
-        }
-    }
-    return choice;
 }
 
 // Attributes by name, wherever the primitive keeps them.
@@ -197,11 +168,16 @@ std::uint32_t restartOf(ComponentType type) {
     }
 }
 
-Triangles readTriangles(const GltfDocument& document, const tinygltf::Primitive& primitive,
-                        std::size_t vertices, ByteBudget& budget) {
-    constexpr std::uint64_t kBytesPerIndex = 4 + 12; // a strip has a triangle an index
+struct IndexRun {
     std::vector<std::uint32_t> indices;
     std::uint32_t restart = 0xffffffffu;
+};
+
+IndexRun readIndices(const GltfDocument& document, const tinygltf::Primitive& primitive,
+                     std::size_t vertices, ByteBudget& budget) {
+    constexpr std::uint64_t kBytesPerIndex = 4 + 12; // a strip has a triangle an index
+    IndexRun out;
+    std::vector<std::uint32_t>& indices = out.indices;
     if (primitive.indices < 0) {
         budget.take(vertices, kBytesPerIndex, "primitive");
         indices.resize(vertices);
@@ -216,14 +192,14 @@ Triangles readTriangles(const GltfDocument& document, const tinygltf::Primitive&
              type != ComponentType::UnsignedInt)) {
             throw BadContent{"indices are not unsigned integers"};
         }
-        restart = restartOf(type);
+        out.restart = restartOf(type);
         budget.take(reader.count(), kBytesPerIndex, "indices");
         indices.resize(reader.count());
         for (std::size_t i = 0; i < indices.size(); ++i) {
             indices[i] = reader.index(i);
         }
     }
-    return assemble(indices, primitive.mode, restart);
+    return out;
 }
 
 // Renumbers the triangles by first use and returns the vertices they use, in that order. Exporters
@@ -260,14 +236,6 @@ std::vector<std::uint32_t> compact(Triangles& triangles) {
     return used;
 }
 
-std::uint32_t featureOf(double value, const std::optional<int>& nullId) {
-    const double rounded = std::round(value); // some writers store batch ids as floats
-    if (!(rounded >= 0.0 && rounded < double(kNoFeature)) || (nullId && rounded == *nullId)) {
-        return kNoFeature;
-    }
-    return std::uint32_t(rounded);
-}
-
 std::uint32_t packColor(const AttributeSource& source, std::size_t i) {
     std::uint32_t packed = 0xff000000u;
     for (int c = 0; c < source.components(); ++c) {
@@ -287,7 +255,7 @@ glm::vec3 normalAt(const AttributeSource& source, std::size_t i) {
 
 void readVertices(Attributes& attributes, const AttributeSource& positions,
                   const std::vector<std::uint32_t>& used, const TextureMapping& mapping,
-                  const FeatureChoice& features, PrimitiveData& out) {
+                  const FeatureIds& features, PrimitiveData& out) {
     const std::size_t total = positions.count();
     out.positions.reserve(used.size());
     for (const std::uint32_t i : used) {
@@ -320,19 +288,35 @@ void readVertices(Attributes& attributes, const AttributeSource& positions,
     if (ids || features.implicit) {
         out.attributes |= Soup::Features;
         for (const std::uint32_t i : used) {
-            out.features.push_back(featureOf(ids ? ids->value(i, 0) : double(i), features.nullId));
+            out.features.push_back(ids ? features.rowOf(ids->value(i, 0))
+                                       : features.rowOfNumber(i));
         }
     }
+}
+
+Triangles readTriangles(const GltfDocument& document, const tinygltf::Primitive& primitive,
+                        const Attributes& attributes, std::size_t vertices, ByteBudget& budget) {
+    if (attributes.draco()) {
+        const std::vector<std::uint32_t>& indices = attributes.draco()->indices;
+        budget.take(indices.size(), sizeof(std::uint32_t), "indices");
+        return assemble(indices, TINYGLTF_MODE_TRIANGLES, 0xffffffffu);
+    }
+    const IndexRun run = readIndices(document, primitive, vertices, budget);
+    return assemble(run.indices, primitive.mode, run.restart);
 }
 
 } // namespace
 
 PrimitiveData readPrimitive(const GltfDocument& document, const tinygltf::Primitive& primitive,
-                            const TextureMapping& mapping, Warnings& warnings,
-                            const ByteBudget& budget) {
+                            const TextureMapping& mapping, const FeatureIds& features,
+                            Warnings& warnings, const ByteBudget& budget) {
     PrimitiveData out;
-    if (primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP) {
-        warnings.add("points and lines are not drawn");
+    if (primitive.mode >= TINYGLTF_MODE_LINE && primitive.mode <= TINYGLTF_MODE_LINE_STRIP) {
+        warnings.add("lines are not drawn");
+        return out;
+    }
+    if (extensionOf(primitive, "KHR_gaussian_splatting")) {
+        warnings.add("gaussian splats (KHR_gaussian_splatting) are not drawn");
         return out;
     }
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -340,7 +324,6 @@ PrimitiveData readPrimitive(const GltfDocument& document, const tinygltf::Primit
     }
     ByteBudget scratch = budget; // what this function holds is given back when it returns
     Attributes attributes(document, primitive);
-    const FeatureChoice features = chooseFeatures(primitive);
     attributes.decode({"POSITION", "NORMAL", "TEXCOORD_" + std::to_string(mapping.texCoord),
                        "COLOR_0", features.attribute},
                       scratch);
@@ -349,15 +332,15 @@ PrimitiveData readPrimitive(const GltfDocument& document, const tinygltf::Primit
         warnings.add("primitive without POSITION left out");
         return out;
     }
-    if (attributes.draco()) {
-        const std::vector<std::uint32_t>& indices = attributes.draco()->indices;
-        scratch.take(indices.size(), sizeof(std::uint32_t), "indices");
-        out.triangles = assemble(indices, TINYGLTF_MODE_TRIANGLES, 0xffffffffu);
+    std::vector<std::uint32_t> used;
+    out.isPoints = primitive.mode == TINYGLTF_MODE_POINTS;
+    if (out.isPoints) {
+        used = readIndices(document, primitive, positions->count(), scratch).indices;
     } else {
-        out.triangles = readTriangles(document, primitive, positions->count(), scratch);
+        out.triangles = readTriangles(document, primitive, attributes, positions->count(), scratch);
+        scratch.take(out.triangles.size(), 3 * 2 * sizeof(std::uint32_t), "triangles");
+        used = compact(out.triangles);
     }
-    scratch.take(out.triangles.size(), 3 * 2 * sizeof(std::uint32_t), "triangles");
-    const std::vector<std::uint32_t> used = compact(out.triangles);
     scratch.take(used.size(), sizeof(glm::dvec3) + sizeof(glm::vec3) + sizeof(glm::vec2) + 8,
                  "vertices");
     for (const std::uint32_t index : used) {

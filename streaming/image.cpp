@@ -138,19 +138,59 @@ bool jpegEnds(Span b) {
     return false;
 }
 
+// The library's words, which may go over several lines.
+[[noreturn]] void refuse(const char* plugin, std::string words) {
+    while (!words.empty() && (words.back() == '\n' || words.back() == ' ')) {
+        words.pop_back();
+    }
+    for (char& c : words) {
+        c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+    throw BadContent{std::string(plugin) + " image: " + words.substr(0, 200)};
+}
+
+// What the libraries hold of the whole picture beside the pixels that are asked for, in bytes a
+// pixel: of an interlaced PNG all samples, of a JPEG in several scans all coefficients (16 bits
+// each), of a WebP its own pixels and OpenImageIO's copy of them.
+std::uint64_t pngScratch(Span b) {
+    const bool interlaced = at(b, 28) != 0;
+    return interlaced ? 8 : 0; // four samples of 16 bits at most
+}
+
+std::uint64_t jpegScratch(Span b) {
+    constexpr std::uint64_t kMostComponents = 4;
+    std::size_t scans = 0;
+    for (std::size_t i = 0; i + 1 < b.size(); ++i) {
+        scans += at(b, i) == 0xff && at(b, i + 1) == 0xda;
+    }
+    // A progressive JPEG may go over its whole picture again and again, for some 50 bytes a time.
+    // No encoder's script has more than a few dozen scans. (Counted too: a thumbnail's.)
+    constexpr std::size_t kMostScans = 100;
+    if (scans > kMostScans) {
+        throw BadContent{"JPEG image of " + std::to_string(scans) + " scans; at most " +
+                         std::to_string(kMostScans) + " are read"};
+    }
+    return scans > 1 ? 2 * kMostComponents : 0;
+}
+
+std::uint64_t webpScratch(Span) {
+    return 8;
+}
+
 struct Format {
     const char* plugin;
     std::optional<Size> (*size)(Span);
+    std::uint64_t (*scratchBytesPerPixel)(Span);
 };
 
 Format formatOf(Span bytes) {
     switch (sniffImage(bytes)) {
     case ImageFormat::Png:
-        return {"png", pngSize};
+        return {"png", pngSize, pngScratch};
     case ImageFormat::Jpeg:
-        return {"jpeg", jpegSize};
+        return {"jpeg", jpegSize, jpegScratch};
     case ImageFormat::Webp:
-        return {"webp", webpSize};
+        return {"webp", webpSize, webpScratch};
     default:
         throw BadContent{"image is neither PNG, JPEG nor WebP"};
     }
@@ -211,7 +251,10 @@ Image decodeImage(Span bytes, ByteBudget& budget) {
         throw BadContent{std::string(format.plugin) + " image without a readable header"};
     }
     checkSize(*size, bytes.size());
-    budget.take(std::uint64_t(size->width) * size->height, 4, "image");
+    const std::uint64_t pixelCount = std::uint64_t(size->width) * size->height;
+    budget.take(pixelCount, 4, "image");
+    ByteBudget during = budget;
+    during.take(pixelCount * format.scratchBytesPerPixel(bytes), 1, "image");
 
     Bytes cleaned;
     if (sniffImage(bytes) == ImageFormat::Png) {
@@ -233,7 +276,7 @@ Image decodeImage(Span bytes, ByteBudget& budget) {
     input->threads(1); // the callers have threads of their own
     const std::string name = std::string("memory.") + format.plugin;
     if (!input->open(name, spec, config)) {
-        throw BadContent{std::string(format.plugin) + " image: " + input->geterror()};
+        refuse(format.plugin, input->geterror());
     }
     if (spec.width != int(size->width) || spec.height != int(size->height) || spec.depth > 1 ||
         spec.nchannels < 1 || spec.nchannels > 4) {
@@ -243,7 +286,7 @@ Image decodeImage(Span bytes, ByteBudget& budget) {
     const std::size_t pixels = std::size_t(spec.width) * std::size_t(spec.height);
     image.rgba.resize(pixels * 4);
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, image.rgba.data())) {
-        throw BadContent{std::string(format.plugin) + " image: " + input->geterror()};
+        refuse(format.plugin, input->geterror());
     }
     if (spec.nchannels < 4) {
         widen(image.rgba, pixels, spec.nchannels);

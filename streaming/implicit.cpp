@@ -51,15 +51,16 @@ Coordinates fromMorton(std::uint64_t morton, unsigned levels, unsigned dimension
 
 } // namespace
 
-BoundingVolume implicitVolume(const ImplicitTiling& tiling, std::uint32_t level, std::uint32_t x,
-                              std::uint32_t y, std::uint32_t z) {
-    const bool splitsHeight = tiling.subdivision == Subdivision::Octree;
+BoundingVolume implicitVolume(const BoundingVolume& rootVolume, Subdivision subdivision,
+                              std::uint32_t level, std::uint32_t x, std::uint32_t y,
+                              std::uint32_t z) {
+    const bool splitsHeight = subdivision == Subdivision::Octree;
     const double share = std::ldexp(1.0, -int(level));
     const glm::dvec3 from(x * share, y * share, splitsHeight ? z * share : 0.0);
     const glm::dvec3 size(share, share, splitsHeight ? share : 1.0);
-    if (const auto* region = std::get_if<Region>(&tiling.rootVolume))
-        return level == 0 ? tiling.rootVolume : regionPart(*region, from, from + size);
-    const auto& box = std::get<OrientedBox>(tiling.rootVolume);
+    if (const auto* region = std::get_if<Region>(&rootVolume))
+        return level == 0 ? rootVolume : regionPart(*region, from, from + size);
+    const auto& box = std::get<OrientedBox>(rootVolume);
     return boxPart(box, 2.0 * from + size - 1.0, size);
 }
 
@@ -89,6 +90,17 @@ std::string fillTemplate(const std::string& text, std::uint32_t level, std::uint
     return out;
 }
 
+// Every tile holds a template filled in, so where those are long there may be fewer.
+static std::size_t mostTiles(const ImplicitTiling& tiling) {
+    constexpr std::size_t kBytesATile = 512; // with a path of ordinary length
+    constexpr std::size_t kNumbers = 40;     // four of them
+    std::size_t longest = tiling.subtreeUri.size();
+    for (const std::string& uri : tiling.contentUris)
+        longest = std::max(longest, uri.size());
+    longest += tiling.documentPath.size() + kNumbers;
+    return kMaxTilesOfSubtrees * kBytesATile / std::max(kBytesATile, sizeof(TileNode) + longest);
+}
+
 // Turns one placeholder into the tiles of its subtree.
 struct SubtreeBuilder {
     TileTree& tree;
@@ -109,7 +121,28 @@ struct SubtreeBuilder {
         return {(at.x << depth) + local.x, (at.y << depth) + local.y, (at.z << depth) + local.z};
     }
 
-    TileNode makeNode(TileIndex parent, unsigned depth, const Coordinates& c) const {
+    // The part's volume; in a curved frame with a transform of its own.
+    void setVolume(TileNode& node, std::uint32_t level, const Coordinates& c) {
+        const bool curved = tree.curved_ && tiling->flatVolume &&
+                            !std::holds_alternative<Region>(*tiling->flatVolume);
+        BoundingVolume part = implicitVolume(curved ? *tiling->flatVolume : tiling->rootVolume,
+                                             tiling->subdivision, level, c.x, c.y, c.z);
+        const auto near =
+            curved ? tree.curved_->near(middleOf(part)) : Result<Transform<Ecef, Tile>>(Error{});
+        if (near) {
+            const glm::dmat4 curvedFromTile = tree.curvedFromTile_[node.transform];
+            node.transform = std::uint32_t(tree.transforms_.size());
+            tree.transforms_.push_back({near->matrix * curvedFromTile});
+            tree.curvedFromTile_.push_back(curvedFromTile);
+            node.volume = curvedVolume(*tree.curved_, *near, part);
+        } else { // also where the projection ends: then by the root's map
+            node.volume = curved ? implicitVolume(tiling->rootVolume, tiling->subdivision, level,
+                                                  c.x, c.y, c.z)
+                                 : std::move(part);
+        }
+    }
+
+    TileNode makeNode(TileIndex parent, unsigned depth, const Coordinates& c) {
         const TileNode& root = tree.nodes_[rootTile];
         const std::uint32_t level = at.level + depth;
         TileNode node;
@@ -121,7 +154,7 @@ struct SubtreeBuilder {
         node.refine = root.refine;
         node.gltfUpAxis = root.gltfUpAxis;
         node.geometricErrorMetres = std::ldexp(tiling->rootGeometricErrorMetres, -int(level));
-        node.volume = implicitVolume(*tiling, level, c.x, c.y, c.z);
+        setVolume(node, level, c);
         return node;
     }
 
@@ -155,7 +188,7 @@ struct SubtreeBuilder {
         tree.nodes_[tile].path.clear();
         const std::size_t n = std::min(tiling->contentUris.size(), subtree.contents.size());
         for (std::size_t i = 0; i < n; ++i)
-            if (subtree.contents[i][indexInSubtree])
+            if (subtree.contents[i][indexInSubtree] && !tiling->contentUris[i].empty())
                 addContent(tile, tiling->contentUris[i], depth, c);
     }
 
@@ -256,10 +289,10 @@ Failure TileTree::attachSubtree(TileIndex tile, const Subtree& subtree) {
                      "tells of " + std::to_string(more) + " tiles and contents; at most " +
                          std::to_string(kMaxTilesPerSubtree) + " are accepted in one subtree",
                      ErrorKind::Input};
-    full_ = full_ || nodes_.size() + more > kMaxTilesOfSubtrees;
-    if (nodes_.size() + more > kMaxTilesOfSubtrees)
-        return Error{path,
-                     "the tileset has more than " + std::to_string(kMaxTilesOfSubtrees) + " tiles",
+    const std::size_t most = mostTiles(*builder.tiling);
+    full_ = full_ || nodes_.size() + more > most;
+    if (nodes_.size() + more > most)
+        return Error{path, "the tileset has more than " + std::to_string(most) + " tiles",
                      ErrorKind::Input};
     builder.build();
     ++facts_.subtrees;

@@ -3,6 +3,7 @@
 
 #include "streaming/tileset.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,11 +21,14 @@ struct ImplicitTiling {
     std::string documentPath;
     BoundingVolume rootVolume; // a box or a region
     double rootGeometricErrorMetres = 0.0;
+    // The root's volume in a curved frame's own coordinates, where the tree has one.
+    std::optional<BoundingVolume> flatVolume = {};
 };
 
 // The tile's part of the root's volume: halves in each direction at each level, heights only in an
 // octree. From the root at once, so that no error adds up over the levels.
-BoundingVolume implicitVolume(const ImplicitTiling& tiling, std::uint32_t level, std::uint32_t x,
-                              std::uint32_t y, std::uint32_t z);
+BoundingVolume implicitVolume(const BoundingVolume& rootVolume, Subdivision subdivision,
+                              std::uint32_t level, std::uint32_t x, std::uint32_t y,
+                              std::uint32_t z);
 
 } // namespace gnomon

@@ -8,6 +8,7 @@ namespace {
 // Contents decoded at a time, so that memory stays small whatever the tileset's size.
 constexpr std::size_t kWindow = 32;
 constexpr std::chrono::milliseconds kPatience(1000);
+constexpr std::size_t kMostProperties = 1000; // of a class: nobody reads more
 
 // The shortest way round that covers both; heights and latitudes simply.
 Region united(const Region& a, const Region& b) {
@@ -43,10 +44,13 @@ struct Found {
     ContentFacts facts;
     std::optional<Region> bounds;
     std::size_t bytes = 0;
+    std::vector<FeatureClass> classes;
 };
 
 Found examine(const TileContent& content) {
-    Found found{content.facts, std::nullopt, content.bytes()};
+    Found found{content.facts, std::nullopt, content.bytes(), {}};
+    if (content.features)
+        found.classes = content.features->classes();
     for (const Mesh& mesh : content.meshes)
         unite(found.bounds, geographicExtent(BoundingVolume(mesh.box)));
     return found;
@@ -103,6 +107,15 @@ void add(Inventory& inventory, const std::string& name, const Found& found) {
     for (const std::string& warning : facts.warnings)
         inventory.warnings.push_back(name + ": " + warning);
     unite(inventory.bounds, found.bounds);
+    for (const FeatureClass& one : found.classes) {
+        Inventory::Features& features = inventory.features[one.name];
+        features.rows += one.rows;
+        for (const std::string& property : one.properties)
+            if (features.properties.size() < kMostProperties &&
+                std::find(features.properties.begin(), features.properties.end(), property) ==
+                    features.properties.end())
+                features.properties.push_back(property);
+    }
 }
 
 } // namespace

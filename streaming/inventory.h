@@ -24,6 +24,13 @@ struct Inventory {
     std::uint64_t decodedBytes = 0;
     glm::dvec3 areaVector{0.0};
     std::set<std::string> extensions, copyrights;
+    // What the contents tell of their features, by class (batch tables: ""): how many rows, over
+    // all tiles, and the properties, in the order they were first met.
+    struct Features {
+        std::uint64_t rows = 0;
+        std::vector<std::string> properties;
+    };
+    std::map<std::string, Features> features;
     std::vector<std::string> warnings; // the tileset's, then the contents' by tile
 };
 

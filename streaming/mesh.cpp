@@ -62,7 +62,7 @@ std::size_t Mesh::bytes() const {
 }
 
 std::size_t TileContent::bytes() const {
-    std::size_t total = sizeof(TileContent) + held(materials) + batchTableJson.size();
+    std::size_t total = sizeof(TileContent) + held(materials) + (features ? features->bytes() : 0);
     for (const Mesh& mesh : meshes) {
         total += mesh.bytes();
     }

@@ -93,7 +93,6 @@ struct TileContent {
     std::vector<Mesh> meshes;
     std::vector<Material> materials;
     std::vector<Image> images;
-    std::string batchTableJson;                   // b3dm's, as it is; empty when none
     std::shared_ptr<const FeatureTable> features; // of Mesh::features; null when the file has none
     ContentFacts facts;
 

@@ -43,10 +43,10 @@ class Selector {
                 step();
         }
         Selection out;
-        out.drawDepthFirst = std::move(draw_);
-        out.draw = ascending(out.drawDepthFirst);
-        out.wanted = ascending(wanted_);
+        out.draw = ascending(draw_);
+        out.wanted = wanted_ == draw_ ? out.draw : ascending(wanted_);
         out.failed = ascending(failed_);
+        out.drawDepthFirst = std::move(draw_);
         out.load = std::move(load_);
         std::stable_sort(
             out.load.begin(), out.load.end(),
@@ -71,10 +71,23 @@ class Selector {
         bool isFallback; // the tile itself is wanted, the children stand in for it
     };
 
-    static std::vector<TileIndex> ascending(std::vector<TileIndex> tiles) {
-        std::sort(tiles.begin(), tiles.end());
-        tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-        return tiles;
+    // Each once. A bit for every tile of the tree takes no time beside a sort of many.
+    std::vector<TileIndex> ascending(const std::vector<TileIndex>& tiles) {
+        std::vector<TileIndex> out;
+        if (tiles.size() < tree_.size() / 64u) {
+            out = tiles;
+            std::sort(out.begin(), out.end());
+            out.erase(std::unique(out.begin(), out.end()), out.end());
+            return out;
+        }
+        marks_.assign(tree_.size() / 64u + 1, 0);
+        for (const TileIndex tile : tiles)
+            marks_[tile / 64u] |= std::uint64_t(1) << tile % 64u;
+        out.reserve(tiles.size());
+        for (std::size_t word = 0; word < marks_.size(); ++word)
+            for (std::uint64_t rest = marks_[word]; rest; rest &= rest - 1)
+                out.push_back(TileIndex(word * 64u) + TileIndex(std::countr_zero(rest)));
+        return out;
     }
 
     Sight look(const BoundingVolume& volume, Sight above) const {
@@ -167,6 +180,20 @@ class Selector {
         return true;
     }
 
+    // The camera decides for the lights too: what it does not see must not cast.
+    bool isOutOfReach(const TileNode& node) const {
+        return node.viewerRequestVolume &&
+               distanceTo(*node.viewerRequestVolume, views_.front().eye) > 0.0;
+    }
+
+    // Children that are all out of reach replace nothing.
+    bool isLeaf(const TileNode& node) const {
+        for (TileIndex i = 0; i < node.childCount; ++i)
+            if (!isOutOfReach(tree_.node(node.firstChild + i)))
+                return false;
+        return true;
+    }
+
     // Nothing of its own to show, now or later.
     bool isEmpty(TileIndex tile) const {
         for (TileIndex i = tile; i != kNoTile; i = tree_.node(i).nextContent)
@@ -187,6 +214,8 @@ class Selector {
     std::optional<bool> enter(TileIndex tile, Sight above, Aim aim) {
         ++visited_;
         const TileNode& node = tree_.node(tile);
+        if (isOutOfReach(node))
+            return true;
         const Sight sight = look(node.volume, above);
         if (!sight.active)
             return true;
@@ -205,7 +234,7 @@ class Selector {
 
     std::optional<bool> enterFinished(TileIndex tile, const TileNode& node, Sight sight) {
         const std::size_t mark = draw_.size();
-        if (node.childCount == 0)
+        if (isLeaf(node))
             return want(tile, sight);
         const bool isReplaced = node.refine == Refine::Replace;
         const bool tooCoarse = isTooCoarse(node, sight);
@@ -230,7 +259,7 @@ class Selector {
             return true;
         if (!isEmpty(tile) && node.refine == Refine::Add)
             return false;
-        if (node.childCount == 0)
+        if (isLeaf(node))
             return isEmpty(tile);
         return descend(tile, sight, Aim::StandIn, true, false, mark);
     }
@@ -280,6 +309,7 @@ class Selector {
     const SelectOptions options_;
     std::vector<Frame> stack_;
     std::vector<TileIndex> draw_, wanted_, failed_;
+    std::vector<std::uint64_t> marks_;
     std::vector<LoadRequest> load_;
     std::uint32_t visited_ = 0;
 };

@@ -39,7 +39,8 @@ struct Selection {
     bool complete() const { return load.empty(); }
 };
 
-// At most 32 views.
+// At most 32 views. The first is the camera's: a tile with a viewerRequestVolume is there, also for
+// the lights, only while that eye is inside of it.
 inline constexpr std::size_t kMaxViews = 32;
 Selection select(const TileTree& tree, std::span<const View> views, const SelectOptions& options);
 

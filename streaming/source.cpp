@@ -1,5 +1,8 @@
 #include "streaming/source.h"
 
+#include "streaming/http/http.h"
+#include "streaming/http/url.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -163,6 +166,10 @@ std::string shown(std::string_view uri) {
     return uri.size() > 200 ? out + "..." : out;
 }
 
+// A path is held for every tile below it, so a document must not make it as long as it likes.
+constexpr std::size_t kLongestPath = 4096;
+const char* const kTooLong = "is longer than 4096 characters";
+
 // Appends the segments of `path` to `to`; the reason when it cannot be done.
 const char* walk(std::string_view path, bool decode, std::vector<std::string>& to) {
     while (!path.empty()) {
@@ -187,6 +194,20 @@ const char* walk(std::string_view path, bool decode, std::vector<std::string>& t
     return nullptr;
 }
 
+Result<std::string> resolveWebUri(const std::string& basePath, const std::string& uri) {
+    const Result<Url> base = parseUrl(basePath);
+    Result<Url> url = base;
+    if (base)
+        url = uri.empty() ? Error{"", "is empty"} : resolveUrl(*base, uri);
+    if (url && url->text().size() > kLongestPath)
+        url = Error{"", kTooLong};
+    if (!url)
+        return Error{withoutSecrets(basePath),
+                     "uri \"" + shown(withoutSecrets(uri)) + "\" " + url.error().reason,
+                     ErrorKind::Input};
+    return url->text();
+}
+
 } // namespace
 
 Source::ReadId Source::start(const std::string& path, Done done) const {
@@ -199,6 +220,8 @@ std::shared_ptr<const Source> fileSource(const std::string& folder) {
 }
 
 Result<std::string> resolveUri(const std::string& basePath, const std::string& uri) {
+    if (isWebAddress(basePath))
+        return resolveWebUri(basePath, uri);
     const auto refused = [&](std::string reason) {
         return Error{basePath, "uri \"" + shown(uri) + "\" " + std::move(reason), ErrorKind::Input};
     };
@@ -228,6 +251,8 @@ Result<std::string> resolveUri(const std::string& basePath, const std::string& u
     std::string resolved;
     for (const std::string& segment : segments)
         resolved += (resolved.empty() ? "" : "/") + segment;
+    if (resolved.size() > kLongestPath)
+        return refused(kTooLong);
     return resolved;
 }
 

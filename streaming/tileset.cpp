@@ -1,5 +1,6 @@
 #include "streaming/tileset.h"
 
+#include "streaming/http/url.h"
 #include "streaming/implicit.h"
 
 #include <algorithm>
@@ -8,9 +9,12 @@
 namespace gnomon {
 namespace {
 
+// Of very many files each may be wrong in very many ways: what is told of all of them together.
+constexpr std::size_t kMostNames = 100, kMostWarnings = 1000, kMostLeftOut = 10'000;
+
 void unite(std::vector<std::string>& to, const std::vector<std::string>& from) {
     for (const std::string& name : from)
-        if (std::find(to.begin(), to.end(), name) == to.end())
+        if (to.size() < kMostNames && std::find(to.begin(), to.end(), name) == to.end())
             to.push_back(name);
 }
 
@@ -69,13 +73,19 @@ Result<TileTree> TileTree::ofTiles(const std::string& name, std::span<const Made
 std::string TileTree::name(TileIndex i) const {
     const TileNode& node = nodes_[i];
     if (!node.path.empty())
-        return node.path;
-    return documents_[node.document].path + ", tile " + std::to_string(i);
+        return textWithoutSecrets(node.path);
+    return textWithoutSecrets(documents_[node.document].path) + ", tile " + std::to_string(i);
 }
 
 Inherited TileTree::inheritedBy(TileIndex tile) const {
     const TileNode& node = nodes_[tile];
-    return {transforms_[node.transform], node.gltfUpAxis, node.refine, true, node.level};
+    Inherited inherited{transforms_[node.transform], node.gltfUpAxis, node.refine, true,
+                        node.level};
+    if (curved_) {
+        inherited.curved = curved_;
+        inherited.curvedFromTile = curvedFromTile_[node.transform];
+    }
+    return inherited;
 }
 
 Failure TileTree::attachExternal(TileIndex tile, std::span<const std::byte> json) {
@@ -96,6 +106,7 @@ Failure TileTree::attachExternal(TileIndex tile, TileTree external) {
             return refused("external tilesets are nested deeper than " +
                            std::to_string(kMaxExternalDepth));
     }
+    assert(external.curved_ == curved_); // by inheritedBy()
     if (nodes_[tile].childCount)
         return refused("is a tileset, but the tile has children of its own");
     full_ = full_ || nodes_.size() + external.nodes_.size() > kMaxTiles;
@@ -120,16 +131,20 @@ Failure TileTree::attachExternal(TileIndex tile, TileTree external) {
         documents_.push_back(std::move(document));
     }
     transforms_.insert(transforms_.end(), external.transforms_.begin(), external.transforms_.end());
+    curvedFromTile_.insert(curvedFromTile_.end(), external.curvedFromTile_.begin(),
+                           external.curvedFromTile_.end());
     implicitTilings_.insert(implicitTilings_.end(), external.implicitTilings_.begin(),
                             external.implicitTilings_.end());
     for (const auto& [placeholder, at] : external.subtreeRoots_)
         subtreeRoots_[shifted(placeholder, tiles)] = at;
     for (LeftOut& leftOut : external.facts_.leftOut)
-        facts_.leftOut.push_back({shifted(leftOut.tile, tiles), std::move(leftOut.error)});
+        if (facts_.leftOut.size() < kMostLeftOut)
+            facts_.leftOut.push_back({shifted(leftOut.tile, tiles), std::move(leftOut.error)});
     unite(facts_.extensionsUsed, external.facts_.extensionsUsed);
     unite(facts_.extensionsRequired, external.facts_.extensionsRequired);
-    facts_.warnings.insert(facts_.warnings.end(), external.facts_.warnings.begin(),
-                           external.facts_.warnings.end());
+    for (std::string& warning : external.facts_.warnings)
+        if (facts_.warnings.size() < kMostWarnings)
+            facts_.warnings.push_back(std::move(warning));
     ++facts_.externals;
 
     nodes_[tile].content = ContentKind::ExternalTileset;

@@ -8,6 +8,7 @@
 #include "geo/result.h"
 #include "streaming/chunked_vector.h"
 #include "streaming/content.h"
+#include "streaming/curved_frame.h"
 
 #include <cstdint>
 #include <memory>
@@ -56,7 +57,10 @@ struct TileNode {
     double geometricErrorMetres = 0.0;
     BoundingVolume volume;                               // ECEF
     std::shared_ptr<const BoundingVolume> contentVolume; // ECEF; null when the file has none
-    std::string path;                                    // of the content, resolved
+    // ECEF; null when the file has none. The tile, and all below it, is there only for an eye
+    // inside.
+    std::shared_ptr<const BoundingVolume> viewerRequestVolume;
+    std::string path; // of the content, resolved
 
     bool hasMesh() const { return content == ContentKind::Mesh || content == ContentKind::Unknown; }
     // The tree below is not known before this is loaded.
@@ -86,6 +90,8 @@ struct Inherited {
     Refine refine = Refine::Replace;
     bool refineKnown = false;
     std::uint16_t level = 0;
+    std::shared_ptr<const CurvedFrame> curved = {}; // then ecefFromTile is not asked
+    glm::dmat4 curvedFromTile{1.0};
 };
 
 enum class Subdivision : std::uint8_t { Quadtree, Octree };
@@ -107,7 +113,7 @@ class TileTree {
   public:
     // `placement` puts the root's frame on the Earth; identity when the tileset is in ECEF already.
     static Result<TileTree> parse(std::span<const std::byte> json, const std::string& path,
-                                  const Transform<Ecef, Tile>& placement);
+                                  const TilePlacement& placement);
     static Result<TileTree> parseExternal(std::span<const std::byte> json, const std::string& path,
                                           const Inherited& inherited);
     // A single model as a tileset of one tile.
@@ -153,6 +159,8 @@ class TileTree {
     };
     ChunkedVector<TileNode> nodes_;
     std::vector<Transform<Ecef, Tile>> transforms_;
+    std::shared_ptr<const CurvedFrame> curved_; // null: the transforms say all
+    std::vector<glm::dmat4> curvedFromTile_;    // beside the transforms, where `curved_` is
     std::vector<Document> documents_;
     std::vector<std::shared_ptr<const ImplicitTiling>> implicitTilings_;
     std::unordered_map<TileIndex, ImplicitCoordinates> subtreeRoots_; // of subtrees not attached

@@ -20,9 +20,6 @@ namespace {
 constexpr std::size_t kMaxWarnings = 100;
 constexpr std::size_t kMaxLeftOut = 1000;
 
-const char* const kKnownExtensions[] = {"3DTILES_content_gltf", "3DTILES_implicit_tiling",
-                                        "3DTILES_multiple_contents", "3DTILES_metadata"};
-
 } // namespace
 
 struct TileTreeBuilder {
@@ -86,22 +83,62 @@ struct TileTreeBuilder {
             ++unnamed;
     }
 
+    // The tile's volume as the curved frame has it.
+    Result<BoundingVolume> flatVolume(const json* value, const glm::dmat4& curvedFromTile) {
+        return readVolume(value, Transform<Ecef, Tile>{curvedFromTile});
+    }
+
+    // Of a tile in a curved frame: by the map that touches it in the middle of the tile.
+    Result<std::uint32_t> curvedTransform(const json& value, const Place& place,
+                                          const glm::dmat4& curvedFromTile, std::uint32_t above) {
+        const Result<BoundingVolume> flat =
+            flatVolume(member(value, "boundingVolume"), curvedFromTile);
+        if (!flat || std::holds_alternative<Region>(*flat))
+            return above; // refused later, or knows where it is
+        const auto near = tree.curved_->near(middleOf(*flat));
+        if (!near)
+            return refused(place, near.error().message());
+        const Transform<Ecef, Tile> ecefFromTile{near->matrix * curvedFromTile};
+        if (const char* flaw = flawOf(ecefFromTile.matrix))
+            return refused(place, flaw);
+        tree.transforms_.push_back(ecefFromTile);
+        tree.curvedFromTile_.push_back(curvedFromTile);
+        return std::uint32_t(tree.transforms_.size() - 1);
+    }
+
+    Result<BoundingVolume> volumeOf(const json* value, std::uint32_t transform) {
+        const Transform<Ecef, Tile>& ecefFromTile = tree.transforms_[transform];
+        if (!tree.curved_)
+            return readVolume(value, ecefFromTile);
+        const glm::dmat4& curvedFromTile = tree.curvedFromTile_[transform];
+        const Result<BoundingVolume> flat = flatVolume(value, curvedFromTile);
+        if (!flat)
+            return flat;
+        const Transform<Ecef, Tile> near{ecefFromTile.matrix * glm::inverse(curvedFromTile)};
+        return curvedVolume(*tree.curved_, near, *flat);
+    }
+
     Result<std::uint32_t> transformOf(const json& value, const Place& place, const Above& above) {
+        const glm::dmat4& before = tree.curved_ ? tree.curvedFromTile_[above.transform]
+                                                : tree.transforms_[above.transform].matrix;
         const json* entry = member(value, "transform");
         if (!entry)
-            return above.transform;
+            return tree.curved_ ? curvedTransform(value, place, glm::dmat4(before), above.transform)
+                                : above.transform;
         const auto n = finiteNumbers<16>(*entry);
         if (!n)
             return refused(place, "transform is not 16 finite numbers");
         glm::dmat4 local;
         for (int i = 0; i < 16; ++i)
             local[i / 4][i % 4] = (*n)[std::size_t(i)];
-        if (local == glm::dmat4(1.0))
+        if (local == glm::dmat4(1.0) && !tree.curved_)
             return above.transform;
-        const glm::dmat4 product = tree.transforms_[above.transform].matrix * local;
+        const glm::dmat4 product = before * local;
         for (const glm::dmat4& m : {local, product})
             if (const char* flaw = flawOf(m))
                 return refused(place, flaw);
+        if (tree.curved_)
+            return curvedTransform(value, place, product, above.transform);
         tree.transforms_.push_back({product});
         return std::uint32_t(tree.transforms_.size() - 1);
     }
@@ -175,7 +212,7 @@ struct TileTreeBuilder {
     }
 
     std::optional<Content> contentOf(const json& value, const Place& place,
-                                     const Transform<Ecef, Tile>& ecefFromTile) {
+                                     std::uint32_t transform) {
         const std::string* uri = uriOf(value);
         if (!uri) {
             leaveOut(kNoTile, refused(place, "content has no uri"));
@@ -192,7 +229,7 @@ struct TileTreeBuilder {
             content.error = refused(place, resolved.error().reason);
         }
         if (const json* volume = member(value, "boundingVolume")) {
-            Result<BoundingVolume> read = readVolume(volume, ecefFromTile);
+            Result<BoundingVolume> read = volumeOf(volume, transform);
             if (read)
                 content.volume = std::make_shared<const BoundingVolume>(std::move(*read));
             else
@@ -248,16 +285,25 @@ struct TileTreeBuilder {
             return tiling.error();
         if (std::holds_alternative<Sphere>(node.volume))
             return refused(place, "implicitTiling needs a box or a region, not a sphere");
+        // One that cannot be used keeps its place, since subtrees count contents, but stays empty:
+        // it is wrong once, not for every tile.
         for (const json* content : contentsOf(value, place)) {
-            if (const std::string* uri = uriOf(*content))
-                tiling->contentUris.push_back(*uri);
-            else
-                leaveOut(kNoTile, refused(place, "content has no uri"));
+            const std::string* uri = uriOf(*content);
+            const Result<std::string> resolved =
+                uri ? resolveUri(path, fillTemplate(*uri, 0, 0, 0, 0))
+                    : Error{path, "content has no uri"};
+            if (!resolved)
+                leaveOut(kNoTile, refused(place, resolved.error().reason));
+            tiling->contentUris.push_back(resolved ? *uri : std::string());
         }
         if (const json* children = member(value, "children"); children && !children->empty())
             warn(place, "has both implicitTiling and children, the children are ignored");
         tiling->documentPath = path;
         tiling->rootVolume = node.volume;
+        if (tree.curved_)
+            if (auto flat = flatVolume(member(value, "boundingVolume"),
+                                       tree.curvedFromTile_[node.transform]))
+                tiling->flatVolume = std::move(*flat);
         tiling->rootGeometricErrorMetres = node.geometricErrorMetres;
         Result<std::string> subtree =
             resolveUri(path, fillTemplate(tiling->subtreeUri, 0, 0, 0, 0));
@@ -288,11 +334,18 @@ struct TileTreeBuilder {
         node.transform = *transform;
         node.level = above.level;
         node.gltfUpAxis = above.gltfUpAxis;
-        const Transform<Ecef, Tile>& ecefFromTile = tree.transforms_[node.transform];
-        Result<BoundingVolume> volume = readVolume(member(value, "boundingVolume"), ecefFromTile);
+        const Transform<Ecef, Tile> ecefFromTile = tree.transforms_[node.transform];
+        Result<BoundingVolume> volume = volumeOf(member(value, "boundingVolume"), node.transform);
         if (!volume)
             return refused(place, volume.error().reason);
         node.volume = std::move(*volume);
+        if (const json* request = member(value, "viewerRequestVolume")) {
+            Result<BoundingVolume> read = volumeOf(request, node.transform);
+            if (read)
+                node.viewerRequestVolume = std::make_shared<const BoundingVolume>(std::move(*read));
+            else
+                warn(place, "viewerRequestVolume: " + read.error().reason + ", it is ignored");
+        }
         node.refine = refineOf(value, place, above);
         node.geometricErrorMetres =
             geometricErrorOf(value, place, above, largestScale(ecefFromTile.matrix));
@@ -318,7 +371,7 @@ struct TileTreeBuilder {
         const Place place = places[tile];
         std::vector<TileNode> asChildren;
         for (const json* entry : contentsOf(value, place)) {
-            const auto content = contentOf(*entry, place, tree.ecefFromTile(tile));
+            const auto content = contentOf(*entry, place, tree.nodes_[tile].transform);
             if (!content)
                 continue;
             const bool taken = tree.nodes_[tile].content != ContentKind::None;
@@ -404,46 +457,15 @@ struct TileTreeBuilder {
         return std::nullopt;
     }
 
-    Failure checkHead(const json& document) {
-        const auto bad = [&](const std::string& why) { return Error{path, why, ErrorKind::Input}; };
-        if (!document.is_object())
-            return bad("is not a JSON object");
-        const json* asset = member(document, "asset");
-        const json* version = asset ? member(*asset, "version") : nullptr;
-        if (!version || !version->is_string())
-            return bad("is no tileset: asset.version is missing");
-        TilesetFacts& facts = tree.facts_;
-        facts.version = shown(version->get<std::string>());
-        if (facts.version != "0.0" && facts.version != "1.0" && facts.version != "1.1")
-            return bad("has asset version " + facts.version + "; 0.0, 1.0 and 1.1 are known");
-        if (const json* generator = member(*asset, "generator");
-            generator && generator->is_string())
-            facts.generator = shown(generator->get<std::string>());
-        facts.extensionsUsed = strings(member(document, "extensionsUsed"));
-        facts.extensionsRequired = strings(member(document, "extensionsRequired"));
-        for (const std::string& name : facts.extensionsRequired)
-            if (std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) ==
-                std::end(kKnownExtensions))
-                return bad("requires the extension " + name + ", which is not supported");
-        if (!member(document, "root"))
-            return bad("has no root");
-        return std::nullopt;
-    }
-
-    static UpAxis upAxisOf(const json& document, UpAxis inherited) {
-        const json* axis = member(document.at("asset"), "gltfUpAxis");
-        const std::string name = axis && axis->is_string() ? lowered(axis->get<std::string>()) : "";
-        return name == "x"   ? UpAxis::X
-               : name == "y" ? UpAxis::Y
-               : name == "z" ? UpAxis::Z
-                             : inherited;
-    }
-
     Failure build(const json& document, const Inherited& inherited) {
-        if (Failure failure = checkHead(document))
+        if (Failure failure = readHead(document, path, tree.facts_))
             return failure;
         tree.documents_.push_back({path, kNoTile});
         tree.transforms_.push_back(inherited.ecefFromTile);
+        if (inherited.curved) {
+            tree.curved_ = inherited.curved;
+            tree.curvedFromTile_.push_back(inherited.curvedFromTile);
+        }
         Above above;
         above.refine = inherited.refine;
         above.refineKnown = inherited.refineKnown;
@@ -488,9 +510,10 @@ Result<TileTree> TileTree::parseExternal(std::span<const std::byte> bytes, const
 }
 
 Result<TileTree> TileTree::parse(std::span<const std::byte> bytes, const std::string& path,
-                                 const Transform<Ecef, Tile>& placement) {
+                                 const TilePlacement& placement) {
     Inherited inherited;
-    inherited.ecefFromTile = placement;
+    inherited.ecefFromTile = placement.frame;
+    inherited.curved = placement.curved;
     return parseExternal(bytes, path, inherited);
 }
 

@@ -119,7 +119,7 @@ const char* flawOf(const glm::dmat4& m) {
 }
 
 ContentKind kindByName(const std::string& path) {
-    const std::string name = lowered(path);
+    const std::string name = lowered(path.substr(0, path.find('?'))); // of the web, with a query
     if (endsWith(name, ".json"))
         return ContentKind::ExternalTileset;
     for (const char* ending : {".b3dm", ".glb", ".gltf", ".i3dm", ".cmpt", ".pnts"})
@@ -162,6 +162,40 @@ Result<BoundingVolume> readVolume(const json* value, const Transform<Ecef, Tile>
     if (!isWithinReach(volume))
         return refused("boundingVolume goes beyond 1e12 m");
     return volume;
+}
+
+Failure readHead(const json& document, const std::string& path, TilesetFacts& facts) {
+    // Those that are read, and those whose absence from a picture nobody sees.
+    constexpr std::array<std::string_view, 6> kKnownExtensions{
+        "3DTILES_content_gltf", "3DTILES_implicit_tiling",       "3DTILES_multiple_contents",
+        "3DTILES_metadata",     "3DTILES_batch_table_hierarchy", "3DTILES_draco_point_compression"};
+    const auto bad = [&](const std::string& why) { return Error{path, why, ErrorKind::Input}; };
+    if (!document.is_object())
+        return bad("is not a JSON object");
+    const json* asset = member(document, "asset");
+    const json* version = asset ? member(*asset, "version") : nullptr;
+    if (!version || !version->is_string())
+        return bad("is no tileset: asset.version is missing");
+    facts.version = shown(version->get<std::string>());
+    if (facts.version != "0.0" && facts.version != "1.0" && facts.version != "1.1")
+        return bad("has asset version " + facts.version + "; 0.0, 1.0 and 1.1 are known");
+    if (const json* generator = member(*asset, "generator"); generator && generator->is_string())
+        facts.generator = shown(generator->get<std::string>());
+    facts.extensionsUsed = strings(member(document, "extensionsUsed"));
+    facts.extensionsRequired = strings(member(document, "extensionsRequired"));
+    for (const std::string& name : facts.extensionsRequired)
+        if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) ==
+            kKnownExtensions.end())
+            return bad("requires the extension " + name + ", which is not supported");
+    if (!member(document, "root"))
+        return bad("has no root");
+    return std::nullopt;
+}
+
+UpAxis upAxisOf(const json& document, UpAxis inherited) {
+    const json* axis = member(document.at("asset"), "gltfUpAxis");
+    const std::string name = axis && axis->is_string() ? lowered(axis->get<std::string>()) : "";
+    return name == "x" ? UpAxis::X : name == "y" ? UpAxis::Y : name == "z" ? UpAxis::Z : inherited;
 }
 
 } // namespace gnomon::tilesetjson

@@ -52,4 +52,9 @@ ContentKind kindByName(const std::string& path);
 // In ECEF. The error has the reason only.
 Result<BoundingVolume> readVolume(const json* value, const Transform<Ecef, Tile>& ecefFromTile);
 
+// Everything but the root: what the file is, and whether it can be read. `path` is for messages.
+Failure readHead(const json& document, const std::string& path, TilesetFacts& facts);
+// After readHead().
+UpAxis upAxisOf(const json& document, UpAxis inherited);
+
 } // namespace gnomon::tilesetjson

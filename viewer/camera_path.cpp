@@ -1,13 +1,13 @@
 #include "viewer/camera_path.h"
 
+#include "viewer/camera_keys.h"
 #include "viewer/input.h"
-#include "viewer/json_read.h"
 
 #include <glm/gtc/quaternion.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace gnomon {
@@ -17,21 +17,19 @@ namespace {
 using Quaternion = glm::dquat;
 
 constexpr std::size_t kMaxBytes = std::size_t(64) << 20;
-constexpr double kMaxSeconds = 1e9;
-constexpr double kMaxHeightMetres = 1e8;
 
 struct Keyframe {
     double t = 0.0;
     glm::dvec3 offset{0.0};             // ECEF, from the first keyframe
     Quaternion orientation{1, 0, 0, 0}; // ECEF from camera axes (right, up, backward)
     double fovDegrees = 45.0;
-    std::optional<double> utcSeconds;
-    std::optional<std::string> timeZone;
+    double rangeMetres = 0.0; // the camera is so far behind
+    bool rests = false;       // the slopes below stay 0
 
     // What smooth interpolation adds: derivatives by t.
     glm::dvec3 velocity{0.0};
     glm::dvec3 spin{0.0}; // radians a second, about the camera's own axes
-    double fovRate = 0.0;
+    double fovRate = 0.0, rangeRate = 0.0;
 };
 
 struct TimeKey {
@@ -112,87 +110,82 @@ std::vector<double> monotoneSlopes(const std::vector<double>& mean, const std::v
     return slopes;
 }
 
-Result<Keyframe> readKeyframe(const nlohmann::json& object, const std::string& name,
-                              std::size_t number, double defaultFovDegrees,
-                              std::optional<Point<Ecef>>& origin) {
-    FieldReader read(object, name, "keyframe " + std::to_string(number));
-    Keyframe key;
-    key.t = read.number("t", -kMaxSeconds, kMaxSeconds);
-    Geodetic place;
-    place.longitudeDegrees = read.number("lon", -360, 360);
-    place.latitudeDegrees = read.number("lat", -90, 90);
-    place.heightMetres = read.number("height", -kMaxHeightMetres, kMaxHeightMetres);
-    Orientation orientation;
-    orientation.headingDegrees = read.number("heading", -3600, 3600);
-    orientation.pitchDegrees = read.number("pitch", -90, 90);
-    orientation.rollDegrees = read.numberOr("roll", 0, -3600, 3600);
-    key.fovDegrees = read.numberOr("fov", defaultFovDegrees, 0.01, 179);
-    if (const auto time = read.optionalText("time")) {
-        const Result<ZonedTime> moment = parseZonedTime(*time);
-        if (moment) {
-            key.utcSeconds = moment->utc.seconds;
-            key.timeZone = moment->zone;
-        } else {
-            read.fail("\"time\": " + moment.error().message());
-        }
-    }
-    read.refuseOthers({"t", "lon", "lat", "height", "heading", "pitch", "roll", "fov", "time"});
-    if (read.failure())
-        return *read.failure();
+Keyframe keyframeOf(const PathKey& key, const CameraPath::GroundHeight& ground,
+                    std::optional<Point<Ecef>>& origin) {
+    Geodetic place = key.place;
+    if (key.aboveGround && ground)
+        place.heightMetres += ground(place.longitudeDegrees, place.latitudeDegrees);
     Camera camera;
-    gnomon::place(camera, place, orientation);
+    gnomon::place(camera, place, key.orientation);
     if (!origin)
         origin = camera.position;
-    key.offset = (camera.position - *origin).xyz;
-    key.orientation = quaternionOf(camera);
-    return key;
+    Keyframe frame;
+    frame.t = key.t;
+    frame.offset = (camera.position - *origin).xyz;
+    frame.orientation = quaternionOf(camera);
+    frame.rangeMetres = key.rangeMetres;
+    frame.fovDegrees = key.fovDegrees;
+    frame.rests = key.rests;
+    return frame;
 }
 
-std::vector<double> gaps(const std::vector<Keyframe>& keys) {
+// Runs of keys one later than the other: between two at the same time the view jumps.
+template <class Key>
+std::vector<std::span<Key>> runsOf(std::vector<Key>& keys) {
+    std::vector<std::span<Key>> runs;
+    for (std::size_t first = 0, i = 1; i <= keys.size(); ++i)
+        if (i == keys.size() || !(keys[i].t > keys[i - 1].t)) {
+            runs.push_back(std::span(keys).subspan(first, i - first));
+            first = i;
+        }
+    return runs;
+}
+
+template <class Key>
+std::vector<double> gaps(std::span<const Key> keys) {
     std::vector<double> h;
     for (std::size_t i = 0; i + 1 < keys.size(); ++i)
         h.push_back(keys[i + 1].t - keys[i].t);
     return h;
 }
 
-void addSlopes(std::vector<Keyframe>& keys) {
+void addSlopes(std::span<Keyframe> keys) {
     if (keys.size() < 2)
         return;
-    const std::vector<double> h = gaps(keys);
+    const std::vector<double> h = gaps<Keyframe>(keys);
     std::vector<glm::dvec3> velocity, spin;
-    std::vector<double> fovRate;
+    std::vector<double> fovRate, rangeRate;
     for (std::size_t i = 0; i < h.size(); ++i) {
         const Keyframe &a = keys[i], &b = keys[i + 1];
         velocity.push_back((b.offset - a.offset) / h[i]);
         spin.push_back(rotationVector(glm::conjugate(a.orientation) * b.orientation) / h[i]);
         fovRate.push_back((b.fovDegrees - a.fovDegrees) / h[i]);
+        rangeRate.push_back((b.rangeMetres - a.rangeMetres) / h[i]);
     }
     velocity = parabolaSlopes(velocity, h);
     spin = parabolaSlopes(spin, h);
     fovRate = monotoneSlopes(fovRate, h);
+    rangeRate = monotoneSlopes(rangeRate, h);
     for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (keys[i].rests)
+            continue;
         keys[i].velocity = velocity[i];
         keys[i].spin = spin[i];
         keys[i].fovRate = fovRate[i];
+        keys[i].rangeRate = rangeRate[i];
     }
 }
 
-std::vector<TimeKey> timeKeys(const std::vector<Keyframe>& keys) {
-    std::vector<TimeKey> times;
-    for (const Keyframe& key : keys)
-        if (key.utcSeconds)
-            times.push_back({key.t, *key.utcSeconds, 0.0});
+void addRates(std::span<TimeKey> times) {
     if (times.size() < 2)
-        return times;
-    std::vector<double> h, mean;
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-        h.push_back(times[i + 1].t - times[i].t);
+        return;
+    const std::vector<double> h = gaps<TimeKey>(times);
+    std::vector<double> mean;
+    for (std::size_t i = 0; i < h.size(); ++i)
         mean.push_back((times[i + 1].utcSeconds - times[i].utcSeconds) / h[i]);
-    }
     const std::vector<double> rates = monotoneSlopes(mean, h);
     for (std::size_t i = 0; i < times.size(); ++i)
         times[i].rate = rates[i];
-    return times;
 }
 
 Quaternion turned(const Keyframe& a, const Keyframe& b, double h, double s, bool smooth) {
@@ -208,6 +201,15 @@ Quaternion turned(const Keyframe& a, const Keyframe& b, double h, double s, bool
            fromRotationVector(b3 * last);
 }
 
+// By its first characters; UTF-16 has its mark ahead of them.
+bool isXml(const std::string& text) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        return true;
+    const std::size_t mark = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
+    const auto first = text.find_first_not_of(" \t\r\n", mark);
+    return first != std::string::npos && text[first] == '<';
+}
+
 // Index of the interval that holds t, and how far into it.
 template <class Key>
 std::size_t intervalOf(const std::vector<Key>& keys, double t) {
@@ -220,56 +222,59 @@ std::size_t intervalOf(const std::vector<Key>& keys, double t) {
 } // namespace
 
 struct CameraPath::State {
+    PathKeys source;
     Point<Ecef> origin;
     std::vector<Keyframe> keys;
     std::vector<TimeKey> times;
-    Interpolation interpolation = Interpolation::Smooth;
+
+    State(PathKeys from, const GroundHeight& ground) : source(std::move(from)) {
+        std::optional<Point<Ecef>> first;
+        for (const PathKey& key : source.keys) {
+            keys.push_back(keyframeOf(key, ground, first));
+            if (key.time)
+                times.push_back({key.t, key.time->utc.seconds, 0.0});
+        }
+        origin = *first;
+        for (const std::span<Keyframe> run : runsOf(keys))
+            addSlopes(run);
+        for (const std::span<TimeKey> run : runsOf(times))
+            addRates(run);
+    }
 };
 
 CameraPath::CameraPath(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
-Result<CameraPath> CameraPath::parse(const std::string& json, const std::string& name,
-                                     double defaultFovDegrees) {
-    const auto first = json.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && json[first] == '<')
-        return Error{name, "KML tours cannot be read yet; camera paths are JSON"};
-    const Result<nlohmann::json> root = parseJson(json, name);
-    if (!root)
-        return root.error();
-    FieldReader read(*root, name);
-    auto state = std::make_shared<State>();
-    const auto interpolation = read.optionalText("interpolation").value_or("smooth");
-    if (interpolation != "smooth" && interpolation != "linear")
-        read.fail("\"interpolation\" must be smooth or linear");
-    state->interpolation =
-        interpolation == "linear" ? Interpolation::Linear : Interpolation::Smooth;
-    if (!read.failure() && (!read.has("keyframes") || !root->at("keyframes").is_array() ||
-                            root->at("keyframes").empty()))
-        read.fail("\"keyframes\" must be a list of at least one");
-    if (read.failure())
-        return *read.failure();
-    std::optional<Point<Ecef>> origin;
-    for (const auto& object : root->at("keyframes")) {
-        const std::size_t number = state->keys.size();
-        Result<Keyframe> key = readKeyframe(object, name, number, defaultFovDegrees, origin);
-        if (!key)
-            return key.error();
-        if (number > 0 && !(key->t > state->keys.back().t))
-            return Error{name, "keyframe " + std::to_string(number) +
-                                   ": \"t\" must be later than that of the one before"};
-        state->keys.push_back(*key);
-    }
-    state->origin = *origin;
-    addSlopes(state->keys);
-    state->times = timeKeys(state->keys);
-    return CameraPath(std::move(state));
+Result<CameraPath> CameraPath::parse(const std::string& text, const std::string& name,
+                                     double defaultFovDegrees, double aspect) {
+    if (text.starts_with("PK\x03\x04"))
+        return Error{name, "a ZIP file, perhaps KMZ: unpack it and give the .kml that is in it"};
+    Result<PathKeys> keys = isXml(text) ? pathKeysFromKml(text, name, defaultFovDegrees, aspect)
+                                        : pathKeysFromJson(text, name, defaultFovDegrees);
+    if (!keys)
+        return keys.error();
+    return CameraPath(std::make_shared<const State>(std::move(*keys), GroundHeight{}));
 }
 
-Result<CameraPath> CameraPath::load(const std::string& file, double defaultFovDegrees) {
+Result<CameraPath> CameraPath::load(const std::string& file, double defaultFovDegrees,
+                                    double aspect) {
     const Result<std::string> text = readTextFile(file, kMaxBytes);
     if (!text)
         return text.error();
-    return parse(*text, file, defaultFovDegrees);
+    return parse(*text, file, defaultFovDegrees, aspect);
+}
+
+bool CameraPath::needsGround() const {
+    const auto& keys = state_->source.keys;
+    return std::any_of(keys.begin(), keys.end(),
+                       [](const PathKey& key) { return key.aboveGround; });
+}
+
+CameraPath CameraPath::onGround(const GroundHeight& metresAboveEllipsoid) const {
+    return CameraPath(std::make_shared<const State>(state_->source, metresAboveEllipsoid));
+}
+
+const std::vector<std::string>& CameraPath::notes() const {
+    return state_->source.notes;
 }
 
 namespace {
@@ -293,14 +298,15 @@ std::optional<UtcTime> timeAt(const std::vector<TimeKey>& times, double t, bool 
 
 CameraPath::Sample CameraPath::sample(double seconds) const {
     const auto& keys = state_->keys;
-    const bool smooth = state_->interpolation == Interpolation::Smooth;
+    const bool smooth = interpolation() == Interpolation::Smooth;
     glm::dvec3 offset = keys.front().offset;
     Quaternion orientation = keys.front().orientation;
-    double fov = keys.front().fovDegrees;
+    double fov = keys.front().fovDegrees, range = keys.front().rangeMetres;
     if (seconds >= keys.back().t) {
         offset = keys.back().offset;
         orientation = keys.back().orientation;
         fov = keys.back().fovDegrees;
+        range = keys.back().rangeMetres;
     } else if (seconds > keys.front().t) {
         const std::size_t i = intervalOf(keys, seconds);
         const Keyframe &a = keys[i], &b = keys[i + 1];
@@ -310,10 +316,12 @@ CameraPath::Sample CameraPath::sample(double seconds) const {
         orientation = turned(a, b, h, s, smooth);
         fov = smooth ? hermite(a.fovDegrees, b.fovDegrees, a.fovRate, b.fovRate, h, s)
                      : a.fovDegrees + s * (b.fovDegrees - a.fovDegrees);
+        range = smooth ? hermite(a.rangeMetres, b.rangeMetres, a.rangeRate, b.rangeRate, h, s)
+                       : a.rangeMetres + s * (b.rangeMetres - a.rangeMetres);
     }
     Sample sample;
     const glm::dmat3 axes = glm::mat3_cast(glm::normalize(orientation));
-    sample.camera.position = state_->origin + Vector<Ecef>{offset};
+    sample.camera.position = state_->origin + Vector<Ecef>{offset + range * axes[2]};
     sample.camera.right = {axes[0]};
     sample.camera.up = {axes[1]};
     sample.camera.forward = {-axes[2]};
@@ -329,16 +337,16 @@ double CameraPath::endSeconds() const {
     return state_->keys.back().t;
 }
 std::optional<std::string> CameraPath::timeZone() const {
-    for (const Keyframe& key : state_->keys)
-        if (key.timeZone)
-            return key.timeZone;
+    for (const PathKey& key : state_->source.keys)
+        if (key.time && key.time->zone)
+            return key.time->zone;
     return {};
 }
 std::size_t CameraPath::size() const {
     return state_->keys.size();
 }
 Interpolation CameraPath::interpolation() const {
-    return state_->interpolation;
+    return state_->source.interpolation;
 }
 
 } // namespace gnomon

@@ -2,6 +2,7 @@
 #include "viewer/commands.h"
 #include "viewer/frame_report.h"
 #include "viewer/image_file.h"
+#include "viewer/lamps.h"
 #include "viewer/messages.h"
 #include "viewer/option_values.h"
 #include "viewer/output_file.h"
@@ -26,6 +27,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kSignalBase = 128; // the shell's habit: 128 + signal
+// Frames whose tiles are loaded while one is drawn: a frame takes longer than a tile's way here,
+// and what lies beyond the next few is a matter of the next frame.
+constexpr std::size_t kLookAhead = 3;
 
 double millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -60,7 +64,7 @@ class Capture {
         if (Failure wrong = prepare())
             return end(*wrong);
         for (std::size_t i = 0; i < planned_.size() && !stopSignal(); ++i) {
-            if (Failure wrong = drawFrame(planned_[i])) {
+            if (Failure wrong = drawFrame(i)) {
                 fail(*wrong);
                 break;
             }
@@ -96,6 +100,7 @@ class Capture {
         planned_ = std::move(*planned);
         single_ = planned_.size() == 1;
         report_.settingsHash = settingsHash(options_);
+        takeAwayWhatWasAbandoned();
         if (options_.resume)
             leaveWhatIsThere();
         if (planned_.empty()) {
@@ -113,6 +118,19 @@ class Capture {
     std::string description() const { return "gnomon, settings " + report_.settingsHash; }
     ImageFormat imageFormat() const {
         return output_.format() == OutputFormat::Png ? ImageFormat::Png : ImageFormat::Jpeg;
+    }
+
+    // By runs of the same frames that were killed while they wrote.
+    void takeAwayWhatWasAbandoned() const {
+        std::vector<std::string> files;
+        for (const PlannedFrame& frame : planned_) {
+            files.push_back(output_.of(frame.index));
+            for (const Aov aov : options_.aovs)
+                files.push_back(pathOf(frame, aov));
+        }
+        if (options_.picture.frameReport)
+            files.push_back(*options_.picture.frameReport);
+        removeAbandoned(files);
     }
 
     // A picture is written last, whole, and says so only when nothing in it was missing.
@@ -151,7 +169,10 @@ class Capture {
     }
 
     Failure prepareDrawing() {
-        Result<Scene> scene = openAsked(options_.picture);
+        const std::chrono::duration<double> patience(options_.picture.timeoutSeconds);
+        PictureOptions picture = options_.picture;
+        picture.scene.patience = patience;
+        Result<Scene> scene = openAsked(picture);
         if (!scene)
             return scene.error();
         scene_.emplace(std::move(*scene));
@@ -174,12 +195,26 @@ class Capture {
         report_.renderer = context_->rendererName();
         if (options_.picture.verbose)
             sayNote("renderer", report_.renderer);
-        auto renderer =
-            FrameRenderer::create(*context_, *scene_, frameOptionsFor(options_.picture, *scene_));
+        FrameOptions frameOptions = frameOptionsFor(options_.picture, *scene_);
+        frameOptions.keepContents = needsContents();
+        frameOptions.groundPatience = std::max(patience, frameOptions.groundPatience);
+        frameOptions.groundMustBeKnown = true;
+        auto renderer = FrameRenderer::create(*context_, *scene_, frameOptions);
         if (!renderer)
             return renderer.error();
         renderer_ = std::move(*renderer);
+        // Until here nothing has been written, and a signal may end it at once.
+        catchStopSignals();
         return openVideo();
+    }
+
+    // Nobody here asks for residentTiles(); the maps of lamps are cut from contents.
+    bool needsContents() const {
+        return !scene_->lamps.empty() &&
+               std::any_of(planned_.begin(), planned_.end(), [&](const PlannedFrame& planned) {
+                   return lampShare(shots_->at(planned.seconds, *scene_).sun.elevationDegrees) >
+                          0.0;
+               });
     }
 
     Failure openVideo() {
@@ -198,8 +233,19 @@ class Capture {
         return {};
     }
 
+    std::vector<Coming> comingAfter(std::size_t index) const {
+        std::vector<Coming> coming;
+        for (std::size_t i = index + 1; i < std::min(index + 1 + kLookAhead, planned_.size());
+             ++i) {
+            const Shot shot = shots_->at(planned_[i].seconds, *scene_);
+            coming.push_back({shot.camera, shot.sun, shot.time});
+        }
+        return coming;
+    }
+
     // A failure ends the capture; a frame that lacks tiles does not.
-    Failure drawFrame(const PlannedFrame& planned) {
+    Failure drawFrame(std::size_t index) {
+        const PlannedFrame& planned = planned_[index];
         const Shot shot = shots_->at(planned.seconds, *scene_);
         FrameRequest request;
         request.camera = shot.camera;
@@ -209,13 +255,17 @@ class Capture {
         request.deadline =
             Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(options_.picture.timeoutSeconds));
+        request.stopped = [] { return stopSignal() != 0; };
+        request.coming = comingAfter(index);
         Result<FrameFacts> facts = renderer_->draw(request);
         saySkippedTiles();
         if (!facts)
             return named(planned, facts.error());
+        if (stopSignal() && !facts->late.empty())
+            return {}; // not late, but broken off
         ReportedFrame reported{planned.index, shot.time, shot.camera, shot.sun, *facts, {}, {}};
         Failure failure = judge(planned, *facts);
-        if (!failure && facts->late.empty())
+        if (!failure && facts->late.empty() && !facts->overBudget)
             failure = write(planned, shot, reported);
         report_.frames.push_back(std::move(reported));
         return failure;
@@ -229,17 +279,29 @@ class Capture {
                 error.kind};
     }
 
+    Error tooLarge(const PlannedFrame& planned) const {
+        return {nameOf(planned), "its tiles do not fit into --memory, however coarse",
+                ErrorKind::Usage};
+    }
+    Error late(const PlannedFrame& planned, const FrameFacts& facts) const {
+        std::vector<std::string> tiles;
+        for (std::size_t i = 0; i < facts.late.size(); ++i)
+            tiles.push_back(facts.late[i] + (facts.lateReasons[i].empty()
+                                                 ? ""
+                                                 : " (" + facts.lateReasons[i] + ")"));
+        return {nameOf(planned),
+                "the time of --timeout passed while " + std::to_string(tiles.size()) +
+                    " tiles were still loading: " + listed(tiles),
+                ErrorKind::Transient};
+    }
+
     // What a frame without all its tiles means for the run. A video cannot go on without a frame.
     Failure judge(const PlannedFrame& planned, const FrameFacts& facts) {
-        if (!facts.late.empty()) {
-            const Error late{nameOf(planned),
-                             "the time of --timeout passed while " +
-                                 std::to_string(facts.late.size()) +
-                                 " tiles were still loading: " + listed(facts.late),
-                             ErrorKind::Transient};
+        if (facts.overBudget || !facts.late.empty()) {
+            const Error lacking = facts.overBudget ? tooLarge(planned) : late(planned, facts);
             if (video_)
-                return late;
-            fail(late);
+                return lacking;
+            fail(lacking);
             return {};
         }
         if (!facts.missing.empty())
@@ -366,7 +428,6 @@ int runCapture(const CaptureOptions& options) {
         sayError(output.error());
         return exitCodeOf(output.error().kind);
     }
-    catchStopSignals();
     return Capture(options, std::move(*output)).run();
 }
 

@@ -6,6 +6,7 @@
 #include "viewer/commands.h"
 #include "viewer/frame_report.h"
 #include "viewer/image_file.h"
+#include "viewer/input.h"
 #include "viewer/messages.h"
 #include "viewer/output_file.h"
 #include "viewer/progress.h"
@@ -108,7 +109,8 @@ class Evaluate {
         if (!opened)
             return opened.error();
         scene_.emplace(std::move(*opened));
-        inputs_ = options_.picture.scene.inputs;
+        for (const std::string& input : options_.picture.scene.inputs)
+            inputs_.push_back(shownInput(input));
         if (say(scene_->problems))
             skipped_ = true;
         return {};

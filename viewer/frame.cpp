@@ -23,8 +23,10 @@ double millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// A window uploads a few tiles a frame, so that it never stalls; a capture all it needs.
-constexpr std::size_t kWindowUploads = 4;
+// Where tiles do not fit, the error is raised by so much at a time; as coarse as the last, whatever
+// there is is drawn by its roots.
+constexpr double kCoarserStep = 1.5;
+constexpr double kCoarsest = 1e6;
 
 bool fitsTightly(const ShadowSettings& shadows, const FrameRequest& request) {
     return shadows.fit == ShadowFit::Tight || (shadows.fit == ShadowFit::Auto && request.still);
@@ -64,21 +66,24 @@ void add(SeenReceivers& seen, const SeenReceivers& more) {
 
 } // namespace
 
-FrameRenderer::State::Frame::Frame(const FrameRequest& of, const FrameOptions& options)
+FrameRenderer::State::Frame::Frame(const FrameRequest& of, const FrameOptions& options,
+                                   double maximumScreenSpaceError)
     : request(of), shadows(shadowsOf(options, of)),
-      screenSpaceError(options.maximumScreenSpaceError), views{perspectiveView(of.camera)} {}
+      screenSpaceError(maximumScreenSpaceError), views{perspectiveView(of.camera)} {}
 
 // ------------------------------------------------------------------------------------------------
 // What happens in a frame, in order.
 Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     State& s = *state_;
     const Clock::time_point start = Clock::now();
-    State::Frame frame(request, s.options);
+    const double coarser = request.waitForTiles ? 1.0 : s.coarser;
+    State::Frame frame(request, s.options, coarser * s.options.maximumScreenSpaceError);
 
-    s.findTiles(frame);   // 1. that the camera sees, and how near and far their surfaces are
-    s.showWater(frame);   // 2. how it stands at this moment
+    s.showWater(frame);   // 1. how it stands at this moment
+    s.findTiles(frame);   // 2. that the camera sees, and how near and far their surfaces are
     s.fitShadows(frame);  // 3. cascades fitted to both, and the lamps that are lit
     s.findCasters(frame); // 4. the tiles that cast into the maps of these, in the picture or not
+    s.askForMore(frame);  //    and of what comes next, to be loaded meanwhile
 
     s.timer.start();
     s.drawSurfaces(frame); // 5. what the camera sees: the nearest surface, and water over it
@@ -91,48 +96,96 @@ Result<FrameFacts> FrameRenderer::draw(const FrameRequest& request) {
     FrameFacts facts = s.keep(std::move(frame));
     if (s.context.lost())
         return Error{"OpenGL", "the graphics driver was reset", ErrorKind::Transient};
+    if (s.context.outOfMemory())
+        return Error{"OpenGL",
+                     "there is not enough graphics memory for this frame: a smaller --memory, "
+                     "--map-size or --size asks for less",
+                     ErrorKind::Transient};
     facts.totalMs = millisecondsSince(start);
     return facts;
 }
 // ------------------------------------------------------------------------------------------------
 
-// What the views need, loaded; when the memory cannot hold it, at a larger error, which is said.
+MemoryLedger* FrameRenderer::State::ledger() const {
+    return scene.layers.empty() ? nullptr : &scene.layers.front().tileset->ledger();
+}
+
+std::vector<StreamedTileset*> FrameRenderer::State::standing(std::optional<UtcTime> time) const {
+    std::vector<StreamedTileset*> tilesets;
+    for (const Layer& layer : scene.layers)
+        tilesets.push_back(layer.stands(time) ? layer.tileset.get() : nullptr);
+    return tilesets;
+}
+
 void FrameRenderer::State::select(Frame& frame) {
+    const Clock::time_point start = Clock::now();
+    for (const Layer& layer : scene.layers)
+        if (!layer.stands(frame.request.time))
+            layer.tileset->rest();
+    if (frame.request.waitForTiles)
+        settleTiles(frame);
+    else
+        takeTiles(frame);
+    frame.facts.selectMs += millisecondsSince(start);
+}
+
+// What the views need, loaded and on the GPU; when the memory cannot hold it, at a larger error,
+// which is said.
+void FrameRenderer::State::settleTiles(Frame& frame) {
     const FrameRequest& request = frame.request;
     double& error = frame.screenSpaceError;
-    const Clock::time_point start = Clock::now();
+    const std::vector<StreamedTileset*> tilesets = standing(request.time);
+    const auto settleAt = [&](double maximumError) {
+        return settle(tilesets,
+                      {frame.views,
+                       {maximumError, false},
+                       request.deadline,
+                       request.stopped,
+                       [this](std::size_t layer, TileIndex tile) { cache.upload(layer, tile); }});
+    };
+    SettledAll settled = settleAt(error);
+    while (settled.overBudget && error < kCoarsest) {
+        error *= kCoarserStep;
+        settled = settleAt(error);
+    }
+    frame.facts.complete = settled.complete;
+    frame.facts.overBudget = settled.overBudget;
+    frame.selections = std::move(settled.selections);
+}
+
+// What is there already; the rest is asked for in askForMore().
+void FrameRenderer::State::takeTiles(Frame& frame) {
+    const std::vector<StreamedTileset*> tilesets = standing(frame.request.time);
+    // While what the last frame used still counts as used.
+    const bool isFirst = frame.selections.empty();
+    for (StreamedTileset* tileset : tilesets)
+        if (isFirst && tileset)
+            tileset->poll();
+    if (isFirst && ledger())
+        ledger()->nextMoment();
     frame.selections.clear();
     frame.facts.complete = true;
-    for (Layer& layer : scene.layers) {
-        if (!layer.stands(request.time)) {
+    for (StreamedTileset* tileset : tilesets) {
+        if (!tileset) {
             frame.selections.emplace_back();
             continue;
         }
-        StreamedTileset& tileset = *layer.tileset;
-        if (!request.waitForTiles) {
-            tileset.poll();
-            frame.selections.push_back(gnomon::select(tileset.tree(), frame.views, {error, true}));
-            tileset.request(frame.selections.back().load);
-            frame.facts.complete = frame.facts.complete && frame.selections.back().complete();
-            continue;
-        }
-        Settled settled = settle(tileset, frame.views, {error, false}, request.deadline);
-        while (settled.overBudget && error < 1e6) {
-            error *= 1.5;
-            settled = settle(tileset, frame.views, {error, false}, request.deadline);
-        }
-        frame.facts.complete = frame.facts.complete && settled.complete;
-        frame.selections.push_back(std::move(settled.selection));
+        frame.selections.push_back(
+            gnomon::select(tileset->tree(), frame.views, {frame.screenSpaceError, true}));
+        tileset->use(frame.selections.back().draw);
+        tileset->use(frame.selections.back().wanted);
+        frame.facts.complete = frame.facts.complete && frame.selections.back().complete();
     }
-    frame.facts.selectMs += millisecondsSince(start);
 }
 
 void FrameRenderer::State::findTiles(Frame& frame) {
     select(frame);
     const Clock::time_point start = Clock::now();
-    const std::size_t uploads =
-        frame.request.waitForTiles ? std::numeric_limits<std::size_t>::max() : kWindowUploads;
-    frame.items = cache.items(frame.selections, uploads);
+    std::optional<Clock::duration> uploadTime;
+    if (!frame.request.waitForTiles)
+        uploadTime = frame.uploadTime;
+    frame.items = cache.items(frame.selections, uploadTime);
+    frame.uploadTime -= std::min(frame.uploadTime, Clock::now() - start);
     if (ground)
         for (const render::GpuMesh& mesh : ground->meshes())
             frame.items.push_back({ground.get(), &mesh, 0});
@@ -147,24 +200,30 @@ void FrameRenderer::State::showWater(Frame& frame) {
         frame.facts.missing = waters.show(frame.request.time);
         frame.facts.uploadMs += millisecondsSince(start);
     }
+    if (ledger())
+        ledger()->setOther(waters.bytes() + (ground ? ground->bytes() : 0));
 }
 
 void FrameRenderer::State::fitShadows(Frame& frame) {
+    lamps.choose(frame.request.camera, frame.request.sun, frame.shadows);
+    fitCascadesTo(frame);
+    lamps.addViews(frame.views);
+}
+
+void FrameRenderer::State::fitCascadesTo(Frame& frame) const {
+    if (frame.shadows.method == ShadowMethod::Off)
+        return;
     const FrameRequest& request = frame.request;
     const std::vector<OrientedBox> waterBoxes = waters.boxes();
-    lamps.choose(request.camera, request.sun, frame.shadows);
-    if (frame.shadows.method != ShadowMethod::Off) {
-        const ShadowReach reach = shadowReach(scene, request.camera, request.sun, frame.items,
-                                              frame.shadows, frame.views.front(), waterBoxes);
-        frame.input = {request.camera,  lightFromEcef(scene.ecefFromAnchor, request.sun.towards),
-                       meshAxes(),      reach.nearMetres,
-                       reach.farMetres, reach.rangeMetres,
-                       reach.fadeMetres};
-        frame.cascades = fitCascades(frame.input, frame.shadows);
-        for (const Cascade& cascade : frame.cascades.cascades)
-            frame.views.push_back(casterView(frame.cascades, cascade));
-    }
-    lamps.addViews(frame.views);
+    const ShadowReach reach = shadowReach(scene, request.camera, request.sun, frame.items,
+                                          frame.shadows, frame.views.front(), waterBoxes);
+    frame.input = {request.camera,  lightFromEcef(scene.ecefFromAnchor, request.sun.towards),
+                   meshAxes(),      reach.nearMetres,
+                   reach.farMetres, reach.rangeMetres,
+                   reach.fadeMetres};
+    frame.cascades = fitCascades(frame.input, frame.shadows);
+    for (const Cascade& cascade : frame.cascades.cascades)
+        frame.views.push_back(casterView(frame.cascades, cascade));
 }
 
 void FrameRenderer::State::findCasters(Frame& frame) {
@@ -177,6 +236,55 @@ void FrameRenderer::State::findCasters(Frame& frame) {
             setDepthRange(cascade, frame.cascades.mapSize, frame.casters);
     }
     noteTiles(frame);
+}
+
+void FrameRenderer::State::askForMore(Frame& frame) {
+    if (frame.request.waitForTiles) {
+        if (frame.facts.complete)
+            prefetch(frame);
+        return;
+    }
+    bool noRoom = false;
+    StreamedTileset::Need need;
+    const std::vector<StreamedTileset*> tilesets = standing(frame.request.time);
+    for (std::size_t i = 0; i < tilesets.size(); ++i) {
+        if (!tilesets[i])
+            continue;
+        noRoom = noRoom || tilesets[i]->foundNoRoom();
+        need.bytes += tilesets[i]->needOf(frame.selections[i].wanted).bytes;
+        tilesets[i]->request(frame.selections[i].load);
+    }
+    // Back only when the finer picture, of about as many more tiles as the error's square is
+    // smaller, is sure to fit: else it would go to and fro.
+    constexpr double kFiner = kCoarserStep * kCoarserStep;
+    if (noRoom)
+        coarser = std::min(coarser * kCoarserStep, kCoarsest);
+    else if (coarser > 1.0 && frame.facts.complete &&
+             kFiner * double(need.bytes) < double(ledger()->cap()))
+        coarser = std::max(coarser / kCoarserStep, 1.0);
+    frame.facts.complete = frame.facts.complete && !noRoom;
+}
+
+// Their shadows are fitted as those of this frame are, to the surfaces of this frame: they differ
+// little. What the tiles of coming frames are is decided anew when these are drawn.
+void FrameRenderer::State::prefetch(const Frame& frame) {
+    std::vector<std::vector<Selection>> wanted(scene.layers.size());
+    for (const Coming& next : frame.request.coming) {
+        FrameRequest request;
+        request.camera = next.camera;
+        request.sun = next.sun;
+        request.time = next.time;
+        Frame coming(request, options, frame.screenSpaceError);
+        coming.items = frame.items;
+        fitCascadesTo(coming);
+        const std::vector<StreamedTileset*> tilesets = standing(next.time);
+        for (std::size_t i = 0; i < tilesets.size(); ++i)
+            if (tilesets[i])
+                wanted[i].push_back(gnomon::select(tilesets[i]->tree(), coming.views,
+                                                   {coming.screenSpaceError, false}));
+    }
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+        scene.layers[i].tileset->requestAhead(wanted[i]);
 }
 
 void FrameRenderer::State::drawSurfaces(Frame& frame) {
@@ -313,11 +421,14 @@ void FrameRenderer::State::noteTiles(Frame& frame) const {
         facts.tilesLoaded += tileset.tilesLoaded();
         facts.decodedBytes += tileset.decodedBytes();
         for (const TileIndex tile : selection.failed)
-            facts.missing.push_back(tileset.tree().node(tile).path);
+            facts.missing.push_back(tileset.tree().name(tile));
         for (const LoadRequest& request : selection.load) {
-            facts.missing.push_back(tileset.tree().node(request.tile).path);
+            facts.missing.push_back(tileset.tree().name(request.tile));
             facts.late.push_back(facts.missing.back());
+            const Error* fault = tileset.lastFault(request.tile);
+            facts.lateReasons.push_back(fault ? fault->reason : "");
         }
+        facts.mostTileBytes = tileset.ledger().most();
     }
     facts.gpuBytes = cache.gpuBytes() + (ground ? ground->bytes() : 0) + waters.bytes();
 }
@@ -361,7 +472,6 @@ FrameFacts FrameRenderer::State::keep(Frame frame) {
     last.camera = frame.request.camera;
     last.cascades = std::move(frame.cascades);
     last.items = std::move(frame.items);
-    cache.evict(frame.selections);
     last.selections = std::move(frame.selections);
     frame.facts.complete = frame.facts.complete && !cache.leftOut();
     return std::move(frame.facts);
@@ -379,16 +489,23 @@ std::vector<LampCaster> FrameRenderer::State::lampCasters(const Frame& frame) co
     return casters;
 }
 
-void FrameRenderer::State::chooseGround() {
+Failure FrameRenderer::State::chooseGround() {
     groundHeight = options.groundHeightMetres;
-    if (options.groundAuto && !groundHeight)
-        groundHeight = findGroundHeight(scene);
+    if (options.groundAuto && !groundHeight) {
+        const Clock::time_point deadline =
+            Clock::now() + std::chrono::duration_cast<Clock::duration>(options.groundPatience);
+        const auto found = findGroundHeight(scene, deadline, options.groundMustBeKnown);
+        if (!found)
+            return found.error();
+        groundHeight = *found;
+    }
     ground.reset();
     if (!groundHeight)
-        return;
+        return {};
     groundContent = std::make_shared<TileContent>(makeGround(scene, *groundHeight));
     std::vector<std::string> warnings;
     ground = std::make_unique<render::GpuTile>(*groundContent, warnings);
+    return {};
 }
 
 FrameRenderer::FrameRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -397,9 +514,9 @@ FrameRenderer::~FrameRenderer() = default;
 Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(render::Context& context, Scene& scene,
                                                              const FrameOptions& options) {
     std::unique_ptr<FrameRenderer> renderer(
-        new FrameRenderer(std::make_unique<State>(context, scene)));
-    renderer->state_->options = options;
-    renderer->state_->chooseGround();
+        new FrameRenderer(std::make_unique<State>(context, scene, options)));
+    if (Failure unknown = renderer->state_->chooseGround())
+        return *unknown;
     return renderer;
 }
 

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,19 @@ struct FrameOptions {
     double maximumScreenSpaceError = 8.0;
     std::optional<double> groundHeightMetres; // of the flat ground above the ellipsoid
     bool groundAuto = true;                   // find it from the inputs' bases
+    // Of tiles on the GPU, for residentTiles() and for the maps of lamps that are lit. Without,
+    // about twice as many tiles fit into the memory. create() decides it.
+    bool keepContents = true;
+    // How long the tiles are waited for that the flat ground's height is found from; and whether
+    // that they do not come is an error then.
+    std::chrono::duration<double> groundPatience{30.0};
+    bool groundMustBeKnown = false;
+};
+
+struct Coming {
+    Camera camera;
+    SunPosition sun;
+    std::optional<UtcTime> time;
 };
 
 struct FrameRequest {
@@ -35,6 +49,9 @@ struct FrameRequest {
     SunPosition sun;
     std::optional<UtcTime> time;                    // what stands, and how the water is
     std::chrono::steady_clock::time_point deadline; // for the tiles it needs
+    std::function<bool()> stopped; // asked while it waits for them: true is as the deadline
+    // What is drawn after it, the next first: their tiles are loaded while this one is drawn.
+    std::vector<Coming> coming;
     bool still = false;       // the picture stands alone: no other follows it in motion
     bool waitForTiles = true; // capture: settle first; view: draw what is there
     // The surfaces that the last frame saw are asked again, under this camera's shadow maps: what
@@ -56,8 +73,11 @@ struct FrameFacts {
     // Wanted by this frame, and not there: tiles that failed or are late; water, with its reason.
     std::vector<std::string> missing;
     std::vector<std::string> late; // of these, the ones still loading when the deadline passed
+    std::vector<std::string> lateReasons; // what went wrong with each of them so far; or empty
     double screenSpaceError = 0;
+    bool overBudget = false; // its tiles do not fit into the memory, however coarse
     std::size_t decodedBytes = 0, gpuBytes = 0;
+    std::size_t mostTileBytes = 0; // tiles took at any moment so far, see MemoryLedger::most()
     std::uint64_t triangles = 0;
     std::uint32_t draws = 0;
     double selectMs = 0, uploadMs = 0, totalMs = 0; // CPU

@@ -1,5 +1,6 @@
 #include "viewer/frame_report.h"
 
+#include "streaming/http/url.h"
 #include "viewer/input.h"
 #include "viewer/option_values.h"
 
@@ -53,11 +54,14 @@ Json frameJson(const ReportedFrame& frame) {
                      {"loaded", f.tilesLoaded},
                      {"missing", f.missing},
                      {"late", f.late}};
+    if (std::any_of(f.lateReasons.begin(), f.lateReasons.end(),
+                    [](const std::string& reason) { return !reason.empty(); }))
+        json["tiles"]["late_reasons"] = f.lateReasons;
     if (!frame.tileNames.empty())
         json["tiles"]["ids"] = frame.tileNames;
     json["complete"] = f.complete;
     json["sse"] = f.screenSpaceError;
-    json["bytes"] = {{"decoded", f.decodedBytes}, {"gpu", f.gpuBytes}};
+    json["bytes"] = {{"decoded", f.decodedBytes}, {"gpu", f.gpuBytes}, {"most", f.mostTileBytes}};
     json["triangles"] = f.triangles;
     json["draws"] = f.draws;
     json["cpu_ms"] = {{"select", f.selectMs}, {"upload", f.uploadMs}, {"total", f.totalMs}};
@@ -205,7 +209,8 @@ std::string FrameReport::json() const {
     json["credits"] = credits;
     json["skipped"] = Json::array();
     for (const Error& error : skipped)
-        json["skipped"].push_back({{"uri", error.subject}, {"reason", error.reason}});
+        json["skipped"].push_back({{"uri", textWithoutSecrets(error.subject)},
+                                   {"reason", textWithoutSecrets(error.reason)}});
     json["time_to_full_detail_ms"] = fullDetailMs ? Json(*fullDetailMs) : Json(nullptr);
     json["peak_rss_mb"] = peakResidentMegabytes();
     json["peak_gpu_mb"] = double(peakGpuBytes) / kMegabyte;

@@ -21,8 +21,9 @@
 namespace gnomon {
 
 struct FrameRenderer::State {
-    State(render::Context& gl, Scene& shown)
-        : context(gl), scene(shown), cache(shown), waters(shown), lamps(shown) {}
+    State(render::Context& gl, Scene& shown, const FrameOptions& given)
+        : context(gl), scene(shown), options(given), cache(shown, given.keepContents),
+          waters(shown), lamps(shown) {}
 
     render::Context& context;
     Scene& scene;
@@ -32,6 +33,7 @@ struct FrameRenderer::State {
     std::optional<double> groundHeight;
     std::shared_ptr<const TileContent> groundContent;
     std::unique_ptr<render::GpuTile> ground;
+    double coarser = 1.0; // a window's error, times what was asked for, to fit into the memory
 
     render::VisibilityPass visibilityPass;
     render::WaterPass waterPass;
@@ -55,13 +57,16 @@ struct FrameRenderer::State {
 
     // What a frame has come to, step by step.
     struct Frame {
-        Frame(const FrameRequest& of, const FrameOptions& options);
+        Frame(const FrameRequest& of, const FrameOptions& options, double maximumScreenSpaceError);
         FrameRequest request;
         ShadowSettings shadows; // off by night
         double screenSpaceError;
         std::vector<View> views; // the camera's, then those of the maps
         std::vector<Selection> selections;
         std::vector<render::DrawItem> items;
+        // A window uploads tiles for so long a frame, so that it never stalls: below 4 ms with the
+        // part that is under way when the time is over.
+        std::chrono::steady_clock::duration uploadTime = std::chrono::milliseconds(3);
         CascadeInput input;
         CascadeSet cascades;
         CasterBound casters;
@@ -69,10 +74,11 @@ struct FrameRenderer::State {
     };
 
     // The steps.
-    void findTiles(Frame& frame);
     void showWater(Frame& frame);
+    void findTiles(Frame& frame);
     void fitShadows(Frame& frame);
     void findCasters(Frame& frame);
+    void askForMore(Frame& frame);
     void drawSurfaces(Frame& frame);
     void drawMaps(Frame& frame);
     void drawLight(Frame& frame);
@@ -80,8 +86,14 @@ struct FrameRenderer::State {
     void noteCost(Frame& frame);
     FrameFacts keep(Frame frame);
 
-    void chooseGround();
+    Failure chooseGround();
     void select(Frame& frame);
+    std::vector<StreamedTileset*> standing(std::optional<UtcTime> time) const; // null: it does not
+    void settleTiles(Frame& frame);
+    void takeTiles(Frame& frame);
+    void fitCascadesTo(Frame& frame) const;
+    void prefetch(const Frame& frame);
+    MemoryLedger* ledger() const;
     std::vector<float> groundErrors(const Frame& frame) const;
     CascadeSet tightened(const Frame& frame);
     std::vector<ProjectiveMap> projectiveMaps(const Frame& frame);

@@ -136,15 +136,29 @@ void sample(const TileContent& content, const glm::dmat3& meshAxes, Sampled& out
         out.lowest.push_back(height);
 }
 
-void sampleColumn(Scene& scene, const View& column, Sampled& out) {
-    constexpr std::chrono::seconds kPatience(30);
+using Clock = std::chrono::steady_clock;
+
+// What this layer's view lacks, with the first reason that is known.
+Error lackingIn(const Layer& layer, const Selection& selection) {
+    Error error{layer.uri, "its tiles did not come in time", ErrorKind::Transient};
+    for (const LoadRequest& request : selection.load)
+        if (const Error* fault = layer.tileset->lastFault(request.tile))
+            return *fault;
+    return error;
+}
+
+Failure sampleColumn(Scene& scene, const View& column, Clock::time_point deadline, bool allMustCome,
+                     Sampled& out) {
     for (Layer& layer : scene.layers) {
-        const Settled settled = settle(*layer.tileset, std::span(&column, 1), {1.0, false},
-                                       std::chrono::steady_clock::now() + kPatience);
+        const Settled settled =
+            settle(*layer.tileset, std::span(&column, 1), {1.0, false}, deadline);
+        if (allMustCome && !settled.complete && !settled.overBudget)
+            return lackingIn(layer, settled.selection);
         for (const TileIndex tile : settled.selection.drawDepthFirst)
             if (const auto content = layer.tileset->content(tile))
                 sample(*content, scene.ecefFromAnchor.axes(), out);
     }
+    return {};
 }
 
 } // namespace
@@ -164,7 +178,8 @@ TileContent makeGround(const Scene& scene, double heightMetres) {
     return content;
 }
 
-std::optional<double> findGroundHeight(Scene& scene) {
+Result<std::optional<double>> findGroundHeight(Scene& scene, Clock::time_point deadline,
+                                               bool allMustCome) {
     Sampled sampled;
     // The coarsest content there is will do; then the column widens until something stands in it.
     double coarsest = 1.0;
@@ -174,21 +189,23 @@ std::optional<double> findGroundHeight(Scene& scene) {
     }
     for (double half = 200.0; sampled.lowest.empty(); half *= 4.0) {
         for (double pixel = 2.0 * coarsest; pixel > 0.1 && sampled.lowest.empty(); pixel /= 4.0)
-            sampleColumn(scene, columnView(scene, half, pixel), sampled);
+            if (Failure late = sampleColumn(scene, columnView(scene, half, pixel), deadline,
+                                            allMustCome, sampled))
+                return *late;
         if (half > 2.0 * scene.radiusMetres)
             break;
     }
     if (sampled.lowest.empty())
-        return {};
+        return std::optional<double>();
     // Roofs alone, seen from above, cover less than this of the boxes around them.
     constexpr double kTerrainShare = 0.7;
     if (sampled.upwardArea > kTerrainShare * sampled.footprint)
-        return {};
+        return std::optional<double>();
     // A house a little sunk into the ground looks right, one that floats does not: three of four
     // stand on it or in it.
     const auto at = sampled.lowest.begin() + std::ptrdiff_t(3 * sampled.lowest.size() / 4);
     std::nth_element(sampled.lowest.begin(), at, sampled.lowest.end());
-    return *at;
+    return std::optional<double>(*at);
 }
 
 } // namespace gnomon

@@ -5,6 +5,7 @@
 #include "streaming/mesh.h"
 #include "viewer/scene.h"
 
+#include <chrono>
 #include <optional>
 
 namespace gnomon {
@@ -18,7 +19,9 @@ TileContent makeGround(const Scene& scene, double heightMetres);
 // The height on which the inputs' buildings stand: three quarters of their lowest points, in the
 // content nearest the anchor, lie below it. None when the content brings ground of its own
 // (terrain), which shows in its upward area covering most of its footprint, or when there is no
-// content at all.
-std::optional<double> findGroundHeight(Scene& scene);
+// content at all. With `allMustCome`, content that has not come by the deadline is an error; else
+// what is there has to do.
+Result<std::optional<double>>
+findGroundHeight(Scene& scene, std::chrono::steady_clock::time_point deadline, bool allMustCome);
 
 } // namespace gnomon

@@ -1,9 +1,7 @@
 #include "viewer/input.h"
 
-#include "streaming/guess_use.h"
-#include "streaming/json_text.h"
-
-#include <nlohmann/json.hpp>
+#include "streaming/http/url.h"
+#include "viewer/input_kind.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -24,229 +21,70 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Tilesets of whole countries hold some 10^5 tiles at some 300 bytes each in one file.
-constexpr std::size_t kMaxJsonBytes = std::size_t(512) << 20;
-// Enough for every magic number and the first words of a text format.
-constexpr std::size_t kMagicBytes = 64;
-
-enum class MagicUse { Refused, Raster, Features };
-struct Magic {
-    std::string_view bytes;
-    const char* name;
-    MagicUse use = MagicUse::Refused;
-};
-using namespace std::string_view_literals;
-constexpr std::array kMagics = {
-    Magic{"i3dm"sv, "an instanced model (i3dm)"},
-    Magic{"cmpt"sv, "a composite tile (cmpt)"},
-    Magic{"pnts"sv, "a point cloud (pnts)"},
-    Magic{"subt"sv, "a subtree of an implicit tileset (open its tileset.json)"},
-    Magic{"II*\0"sv, "a TIFF raster", MagicUse::Raster},
-    Magic{"MM\0*"sv, "a TIFF raster", MagicUse::Raster},
-    Magic{"II+\0"sv, "a TIFF raster", MagicUse::Raster},
-    Magic{"\x89HDF"sv, "a NetCDF or HDF5 file", MagicUse::Raster},
-    Magic{"CDF"sv, "a NetCDF file", MagicUse::Raster},
-    Magic{"SQLite format 3"sv, "a GeoPackage", MagicUse::Features},
-    Magic{"\0\0\x27\x0a"sv, "a Shapefile", MagicUse::Features},
-    Magic{"\x89PNG"sv, "a picture (PNG)", MagicUse::Raster},
-    Magic{"\xff\xd8\xff"sv, "a picture (JPEG)", MagicUse::Raster},
-    Magic{"\x1f\x8b"sv, "a gzip file"},
-    Magic{"PK\x03\x04"sv, "a zip file"},
-    Magic{"ncols"sv, "an ESRI ASCII raster", MagicUse::Raster},
-    Magic{"NCOLS"sv, "an ESRI ASCII raster", MagicUse::Raster},
-    Magic{"<"sv, "an XML file"},
-};
-
-// Notes the keys of the outermost object, and of one inside it only "type". Keeps nothing else, so
-// that a file of any depth or size costs no memory.
-class TopLevelKeys : public nlohmann::json_sax<nlohmann::json> {
-  public:
-    std::set<std::string> keys;
-    std::string type, format;
-
-    bool null() override { return value(); }
-    bool boolean(bool) override { return value(); }
-    bool number_integer(number_integer_t) override { return value(); }
-    bool number_unsigned(number_unsigned_t) override { return value(); }
-    bool number_float(number_float_t, const string_t&) override { return value(); }
-    bool binary(binary_t&) override { return value(); }
-    bool string(string_t& text) override {
-        if (depth_ == 1 && last_ == "type")
-            type = text;
-        if (depth_ == 1 && last_ == "format")
-            format = text;
-        return value();
-    }
-    bool start_object(std::size_t) override { return enter(true); }
-    bool end_object() override { return leave(); }
-    bool start_array(std::size_t) override { return enter(false); }
-    bool end_array() override { return leave(); }
-    bool key(string_t& text) override {
-        if (depth_ == 1) {
-            keys.insert(text);
-            last_ = text;
-        }
-        return true;
-    }
-    bool parse_error(std::size_t position, const std::string&,
-                     const nlohmann::detail::exception&) override {
-        errorAt = position;
-        return false;
-    }
-    std::optional<std::size_t> errorAt;
-
-  private:
-    bool value() { return true; }
-    bool enter(bool object) {
-        if (depth_ == 0 && !object)
-            return false;
-        ++depth_;
-        return true;
-    }
-    bool leave() {
-        --depth_;
-        return true;
-    }
-    std::size_t depth_ = 0;
-    std::string last_;
-};
-
-Error cannotOpen(const std::string& uri, const std::string& what) {
-    return {uri, "this is " + what +
-                     ", which cannot be opened yet; tilesets (tileset.json), models (glb, gltf, "
-                     "b3dm), rasters, footprints, flood results and scene files can"};
+// Those of the files that stand for a folder on a server which a kind can be.
+std::vector<std::string> namesInWebFolder(std::optional<InputKind> wanted) {
+    if (wanted == InputKind::Terrain)
+        return {"layer.json"};
+    if (wanted == InputKind::Tileset)
+        return {"tileset.json"};
+    return {"tileset.json", "layer.json", ""};
 }
 
-// What a file turned out to be.
-struct Kind {
-    InputKind kind = InputKind::Tileset;
-    std::optional<WaterKind> waterKind = {};
-    std::string guess = {};
+struct WebDocument {
+    std::string path;
+    Bytes bytes;
 };
 
-Result<Kind> kindOfRaster(const std::string& path, const std::string& uri,
-                          const std::string& what) {
-    const Result<RasterGuess> guess = guessRasterUse(path);
-    if (!guess)
-        return Error{uri, "looks like " + what + ", but " + guess.error().reason};
-    const auto because = [&](const char* use) {
-        return std::string("taken for ") + use + ": " + guess->because +
-               "; terrain=, imagery=, depth= or stage= before its name says otherwise";
-    };
-    switch (guess->use) {
-    case RasterUse::Imagery:
-        return Kind{InputKind::Imagery, {}, because("imagery")};
-    case RasterUse::Depth:
-        return Kind{InputKind::Water, {}, because("water depths")};
-    case RasterUse::Stage:
-        return Kind{InputKind::Water, WaterKind::Stage, because("water levels")};
-    case RasterUse::Terrain:
-        break;
+// A folder cannot be listed: what it may hold is asked for. A server that does not answer ends it.
+Result<WebDocument> readWebDocument(const WebSource& source, const std::string& path,
+                                    std::optional<InputKind> wanted) {
+    std::vector<std::string> names = {""};
+    if (path.ends_with("/") && (!wanted || isSure(*wanted) || wanted == InputKind::Terrain))
+        names = namesInWebFolder(wanted);
+    Failure first;
+    for (const std::string& name : names) {
+        Result<Bytes> bytes = source.peek(path + name);
+        if (bytes)
+            return WebDocument{path + name, std::move(*bytes)};
+        if (!first)
+            first = bytes.error();
+        if (bytes.error().kind == ErrorKind::Transient)
+            break;
     }
-    return Kind{InputKind::Terrain, {}, because("terrain")};
+    return *first;
 }
 
-Result<Kind> kindOfFeatures(const std::string& path, const std::string& uri) {
-    const Result<FeatureGuess> guess = guessFeatureUse(path);
-    if (!guess)
-        return Error{uri, guess.error().reason};
-    const auto kind = [&](InputKind use) {
-        return Kind{use,
-                    {},
-                    std::string("taken for ") + nameOf(use) + ": " + guess->because +
-                        "; buildings=, trees=, barriers= or lamps= before its name says otherwise"};
-    };
-    switch (guess->use) {
-    case FeatureUse::Trees:
-        return kind(InputKind::Trees);
-    case FeatureUse::Barriers:
-        return kind(InputKind::Barriers);
-    case FeatureUse::Lamps:
-        return kind(InputKind::Lamps);
-    case FeatureUse::Buildings:
-        break;
-    }
-    return kind(InputKind::Buildings);
-}
-
-Result<Kind> kindOfJson(const std::string& text, const std::string& path, const std::string& uri) {
-    TopLevelKeys top;
-    bool whole = nlohmann::json::sax_parse(text, &top);
-    if (top.errorAt) { // perhaps only the NaN that some exporters write
-        TopLevelKeys again;
-        whole = nlohmann::json::sax_parse(withoutNonFinite(text), &again);
-        if (!again.errorAt)
-            top = again;
-    }
-    if (top.errorAt)
-        return Error{uri, "not valid JSON (at byte " + std::to_string(*top.errorAt) + ")"};
-    if (!whole)
-        return Error{uri, "a JSON list; expected a tileset, a glTF model or a scene file"};
-    const auto has = [&](const char* key) { return top.keys.count(key) > 0; };
-    if (has("asset") && has("root"))
-        return Kind{InputKind::Tileset};
-    if (has("layers") && !has("tiles"))
-        return Kind{InputKind::SceneFile};
-    if (top.format.starts_with("quantized-mesh") || (has("tiles") && has("tilejson")))
-        return Kind{InputKind::Terrain};
-    if (has("keyframes"))
-        return Error{uri, "this is a camera path; give it with --camera", ErrorKind::Usage};
-    if (top.type == "CityJSON" || top.type == "CityJSONFeature")
-        return Kind{InputKind::Buildings};
-    if (top.type == "FeatureCollection" || top.type == "Feature")
-        return kindOfFeatures(path, uri);
-    if (top.type == "Topology")
-        return cannotOpen(uri, "TopoJSON");
-    if (has("asset"))
-        return Kind{InputKind::Model};
-    if (has("root"))
-        return Error{uri, "looks like a tileset, but has no \"asset\""};
-    return Error{uri, "JSON, but neither a tileset (\"asset\" and \"root\"), a glTF model "
-                      "(\"asset\"), features (GeoJSON, CityJSON) nor a scene file (\"layers\")"};
-}
-
-Result<Kind> kindOfFile(const std::string& path, const std::string& uri) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file)
-        return Error{uri, std::strerror(errno)};
-    std::string head(kMagicBytes, '\0');
-    file.read(head.data(), std::streamsize(head.size()));
-    head.resize(std::size_t(std::max<std::streamsize>(file.gcount(), 0)));
-    if (head.empty())
-        return Error{uri, "the file is empty"};
-    if (head.starts_with("glTF") || head.starts_with("b3dm"))
-        return Kind{InputKind::Model};
-    if (path.ends_with(".terrain")) // a quantized mesh has no mark of its own
-        return Kind{InputKind::Terrain};
-    if (isUnstructuredFlood(path))
-        return Kind{InputKind::Water};
-    for (const Magic& magic : kMagics) {
-        if (!head.starts_with(magic.bytes))
-            continue;
-        if (magic.use == MagicUse::Raster)
-            return kindOfRaster(path, uri, magic.name);
-        if (magic.use == MagicUse::Features)
-            return kindOfFeatures(path, uri);
-        return cannotOpen(uri, magic.name);
-    }
-    std::string_view words = head;
-    if (words.starts_with("\xef\xbb\xbf"))
-        words.remove_prefix(3);
-    const auto first = words.find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos || (words[first] != '{' && words[first] != '[')) {
-        // Some rasters are known by name and size only.
-        const Result<RasterGuess> guess = guessRasterUse(path);
-        if (guess)
-            return kindOfRaster(path, uri, "a raster");
-        return path.ends_with(".csv")
-                   ? Error{uri, "a table, of which nothing tells what it holds; say buildings=, "
-                                "imagery= or stage= before its name"}
-                   : Error{uri, "not a kind of file that is known here"};
-    }
-    const Result<std::string> text = readTextFile(path, kMaxJsonBytes);
-    if (!text)
-        return Error{uri, text.error().reason};
-    return kindOfJson(*text, path, uri);
+Result<Input> identifyWebInput(const std::string& url, std::optional<InputKind> wanted,
+                               const OpenWeb& openWeb) {
+    const std::string shown = withoutSecrets(url);
+    if (wanted && *wanted != InputKind::Tileset && *wanted != InputKind::Model &&
+        *wanted != InputKind::Terrain)
+        return Error{shown, std::string("what is given as ") + nameOf(*wanted) +
+                                " is opened from a file only; download it first"};
+    if (!openWeb)
+        return Error{shown, "addresses on the web cannot be opened here", ErrorKind::Usage};
+    const Result<std::string> path = httpPath(url);
+    if (!path)
+        return path.error();
+    const Result<std::shared_ptr<const WebSource>> source = openWeb(url);
+    if (!source)
+        return source.error();
+    const Result<WebDocument> document = readWebDocument(**source, *path, wanted);
+    if (!document)
+        return document.error();
+    const Result<InputKind> kind =
+        kindOfWebDocument(document->bytes, document->path, document->path);
+    if (!kind)
+        return kind.error();
+    if (wanted && *kind != *wanted)
+        return Error{*path,
+                     std::string("this is a ") + nameOf(*kind) + ", not a " + nameOf(*wanted)};
+    Input input;
+    input.uri = *path;
+    input.path = document->path;
+    input.kind = *kind;
+    input.source = *source;
+    return input;
 }
 
 // The one scene file, which tells more than the tileset beside it; else tileset.json. The other way
@@ -321,15 +159,10 @@ Result<const KindPrefix*> prefixNamed(const std::string& word) {
     return Error{word + "=", "no such kind of input; there are " + all, ErrorKind::Usage};
 }
 
-// Kinds that a format tells for sure.
-bool isSure(InputKind kind) {
-    return kind == InputKind::Tileset || kind == InputKind::Model || kind == InputKind::SceneFile;
-}
-
 // A file whose user says what it is for. A format that can only be something else is refused; what
 // is wrong besides is said when it is opened as that.
 Failure checkInsisted(const std::string& path, const std::string& uri, InputKind wanted) {
-    const Result<Kind> found = kindOfFile(path, path);
+    const Result<FoundKind> found = kindOfFile(path, path);
     if (found ? (isSure(found->kind) || isSure(wanted)) && found->kind != wanted : isSure(wanted))
         return found ? Error{uri, std::string("this is a ") + nameOf(found->kind) + ", not a " +
                                       nameOf(wanted)}
@@ -359,6 +192,14 @@ std::vector<std::string> filesLike(const std::string& pattern) {
 
 } // namespace
 
+std::string shownInput(const std::string& argument) {
+    const auto equals = argument.find('=');
+    if (isWebAddress(argument) ||
+        (equals != std::string::npos && isWebAddress(argument.substr(equals + 1))))
+        return withoutSecrets(argument);
+    return argument;
+}
+
 const char* nameOf(InputKind kind) {
     for (const KindPrefix& prefix : kPrefixes)
         if (kind == prefix.kind)
@@ -366,7 +207,8 @@ const char* nameOf(InputKind kind) {
     return "";
 }
 
-Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted) {
+Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted,
+                            const OpenWeb& openWeb) {
     const Prefixed prefixed = splitPrefix(argument);
     std::optional<WaterKind> waterKind;
     if (!prefixed.kind.empty()) {
@@ -379,9 +221,8 @@ Result<Input> identifyInput(const std::string& argument, std::optional<InputKind
     const std::string& uri = prefixed.path;
     if (uri.empty())
         return Error{argument.empty() ? "INPUT" : argument, "no path given", ErrorKind::Usage};
-    if (uri.starts_with("http://") || uri.starts_with("https://"))
-        return Error{uri, "inputs over http cannot be opened yet; download the folder first",
-                     ErrorKind::Usage};
+    if (isWebAddress(uri))
+        return identifyWebInput(uri, wanted, openWeb);
     std::error_code failed;
     const fs::file_status status = fs::status(uri, failed);
     if (failed || status.type() == fs::file_type::not_found) {
@@ -413,7 +254,7 @@ Result<Input> identifyInput(const std::string& argument, std::optional<InputKind
             return *wrong;
         return Input{uri, path, *wanted, {}, waterKind, {}};
     }
-    const Result<Kind> kind = kindOfFile(path, path);
+    const Result<FoundKind> kind = kindOfFile(path, path);
     if (!kind)
         return kind.error();
     return Input{uri, path, kind->kind, {}, kind->waterKind, kind->guess};

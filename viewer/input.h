@@ -3,7 +3,10 @@
 
 #include "geo/result.h"
 #include "streaming/flood/flood.h"
+#include "streaming/http/http.h"
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +34,8 @@ struct Input {
     std::optional<WaterKind> waterKind = {}; // as the user says, or as it was guessed
     std::string guess =
         {}; // what was taken for granted about its use, to be said; empty: nothing was
+    // Of the web: `path` is a path in it, and `uri` has no keys in it. Null for files.
+    std::shared_ptr<const WebSource> source = {};
 };
 
 const char* nameOf(InputKind kind);
@@ -38,8 +43,13 @@ const char* nameOf(InputKind kind);
 // Takes PATH or KIND=PATH, of water also a pattern (depth=h_*.tif) for one file a step. Fails,
 // naming what was found, for everything that cannot be opened. A folder stands for its one scene
 // file, else for its tileset.json; for that first when a tileset is `wanted`, as a scene file's
-// layers say.
-Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted = {});
+// layers say. Of the web only tilesets, models and quantized meshes can be opened.
+using OpenWeb = std::function<Result<std::shared_ptr<const WebSource>>(const std::string& url)>;
+Result<Input> identifyInput(const std::string& argument, std::optional<InputKind> wanted = {},
+                            const OpenWeb& openWeb = {});
+
+// An INPUT as it may be shown: without keys.
+std::string shownInput(const std::string& argument);
 
 // The whole file, refused above `maxBytes`.
 Result<std::string> readTextFile(const std::string& path, std::size_t maxBytes);

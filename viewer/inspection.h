@@ -2,6 +2,7 @@
 #pragma once
 
 #include "streaming/inventory.h"
+#include "viewer/feature_at.h"
 #include "viewer/scene.h"
 
 #include <string>
@@ -26,8 +27,10 @@ struct InspectedInput {
 // What is at one place, at one moment; metres above the ellipsoid. None: there is none.
 struct InspectedPlace {
     std::optional<double> ground, waterLevel, depth, speed;
-    bool interpolated = false; // the water: between observed points
-    std::optional<BuildingFound> building;
+    bool interpolated = false;             // the water: between observed points
+    std::optional<BuildingFound> building; // of what was put up here
+    std::optional<TileFeature> feature;    // else: of tiles as they are
+    std::string tileset;                   // then: the input it is in
 };
 
 struct Inspection {

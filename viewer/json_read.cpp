@@ -19,7 +19,7 @@ std::string plainWords(const char* what) {
     if (text.size() > kLongest)
         text.resize(kLongest);
     for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
             c = ' ';
     return text;
 }

@@ -1,5 +1,7 @@
 #include "viewer/messages.h"
 
+#include "streaming/http/url.h"
+
 #include <cstdio>
 
 namespace gnomon {
@@ -10,7 +12,8 @@ bool barShown = false;
 
 void sayLine(const char* severity, const std::string& text) {
     // \r and "erase to end of line"; the bar is drawn again with the next frame.
-    std::fprintf(stderr, "%s%s: %s\n", barShown ? "\r\x1b[K" : "", severity, oneLine(text).c_str());
+    std::fprintf(stderr, "%s%s: %s\n", barShown ? "\r\x1b[K" : "", severity,
+                 oneLine(textWithoutSecrets(text)).c_str());
 }
 
 std::string joined(const std::string& what, const std::string& why) {

@@ -42,8 +42,12 @@ Result<OpenedLayer> layerOf(const Input& input, const LayerFacts& facts, const M
 Result<OpenedLayer> standingLayer(const Input& input, const LayerFacts& facts,
                                   const MadeTileset& made, Opening& opening) {
     Result<OpenedLayer> opened = layerOf(input, facts, made, opening);
-    if (opened && !opening.unplaced)
-        opened->heights = heightsOf(*opened->layer.tileset, opened->bounds.centre);
+    if (!opened || opening.unplaced)
+        return opened;
+    const auto heights = heightsOf(*opened->layer.tileset, opened->bounds.centre, opening);
+    if (!heights)
+        return heights.error();
+    opened->heights = *heights;
     return opened;
 }
 
@@ -81,8 +85,9 @@ Result<OpenedTerrain> openTerrain(const Input& input, const LayerFacts& facts, O
     if (opening.progress)
         options.progress = [&](double share) { opening.progress(input.uri, share); };
     const bool isMesh = input.path.ends_with(".terrain") || input.path.ends_with(".json");
-    auto terrain =
-        isMesh ? openQuantizedMesh(input.path, options) : Terrain::open(input.path, options);
+    auto terrain = input.source ? openQuantizedMesh(input.source, input.path, options)
+                   : isMesh     ? openQuantizedMesh(input.path, options)
+                                : Terrain::open(input.path, options);
     if (!terrain)
         return terrain.error();
     const TerrainFacts& found = (*terrain)->facts();

@@ -1,5 +1,6 @@
 #include "viewer/open_tileset.h"
 
+#include "viewer/crs_frame.h"
 #include "viewer/scene_placement.h"
 
 #include <algorithm>
@@ -22,30 +23,43 @@ std::string inWords(const glm::dvec3& p) {
     return text;
 }
 
-Result<Transform<Ecef, Tile>> frameFromCrs(const LayerFacts& facts, const Sphere& local) {
-    const Result<CrsToEcef> crs =
+Result<TilePlacement> frameFromCrs(const LayerFacts& facts, const Sphere& local) {
+    Result<CrsToEcef> crs =
         CrsToEcef::create(*facts.crs, facts.heights.value_or(Heights::Ellipsoidal));
     if (!crs)
         return Error{"--crs", crs.error().message(), ErrorKind::Usage};
-    glm::dvec3 centre = local.centre.xyz;
-    Result<Transform<Ecef, Tile>> frame = crs->ecefFromCrsNear(centre);
-    if (!frame || !facts.raiseMetres)
-        return frame;
-    glm::dmat4 raised(1.0);
-    raised[3] = glm::dvec4(0, 0, *facts.raiseMetres, 1);
-    return *frame * Transform<Tile, Tile>{raised};
+    TilePlacement placement;
+    placement.curved = crsFrame(std::move(*crs), facts.raiseMetres.value_or(0.0));
+    const auto frame = placement.curved->near(local.centre.xyz);
+    if (!frame)
+        return frame.error();
+    placement.frame = *frame;
+    return placement;
 }
 
-Transform<Ecef, Tile> frameFromPlace(const Input& input, const LayerFacts& facts,
-                                     StreamedTileset& local, Opening& opening) {
+// What to say to somebody whose coordinates are not the Earth's.
+std::string inWhatSystem(const glm::dvec3& centre) {
+    std::string text;
+    for (const std::string& system : likelySystems(glm::dvec2(centre)))
+        text += (text.empty() ? "; coordinates like these are found in " : ", ") + system;
+    return text;
+}
+
+Result<Transform<Ecef, Tile>> frameFromPlace(const Input& input, const LayerFacts& facts,
+                                             StreamedTileset& local, Opening& opening) {
     const ModelUp said = facts.up.value_or(ModelUp::Auto);
     FrameUp up = said == ModelUp::Y ? FrameUp::Y : FrameUp::Z;
     if (input.kind == InputKind::Model) {
         // glTF says y is up, and decoding has turned that to z.
         up = said == ModelUp::Z ? FrameUp::MinusY : FrameUp::Z;
-    } else if (said == ModelUp::Auto && upFromGeometry(firstContents(local, 1)) == ModelUp::Y) {
-        up = FrameUp::Y;
-        opening.note(input.uri, "up axis y found from its geometry; --up z overrides");
+    } else if (said == ModelUp::Auto) {
+        const auto contents = firstContents(local, 1, opening.deadline);
+        if (!contents)
+            return contents.error();
+        if (upFromGeometry(*contents) == ModelUp::Y) {
+            up = FrameUp::Y;
+            opening.note(input.uri, "up axis y found from its geometry; --up z overrides");
+        }
     }
     const Sphere bounds = boundingSphere(local.tree().node(TileTree::root()).volume);
     const double fromOrigin = glm::length(bounds.centre.xyz);
@@ -57,16 +71,19 @@ Transform<Ecef, Tile> frameFromPlace(const Input& input, const LayerFacts& facts
     return placedFrame(*facts.placement, facts.raiseMetres.value_or(0.0), up);
 }
 
-Result<Transform<Ecef, Tile>> frameFor(const Input& input, const LayerFacts& facts,
-                                       StreamedTileset& local, Opening& opening) {
-    if (facts.placement)
-        return frameFromPlace(input, facts, local, opening);
+Result<TilePlacement> frameFor(const Input& input, const LayerFacts& facts, StreamedTileset& local,
+                               Opening& opening) {
+    if (facts.placement) {
+        const auto frame = frameFromPlace(input, facts, local, opening);
+        return frame ? Result<TilePlacement>(TilePlacement(*frame)) : frame.error();
+    }
     const Sphere bounds = boundingSphere(local.tree().node(TileTree::root()).volume);
     if (facts.crs)
         return frameFromCrs(facts, bounds);
     return Error{input.uri, "not on the Earth: it has a frame of its own (centred at " +
                                 inWords(bounds.centre.xyz) +
-                                "); say where it is with --place LON,LAT,H or --crs EPSG:n"};
+                                "); say where it is with --place LON,LAT,H or --crs EPSG:n" +
+                                inWhatSystem(bounds.centre.xyz)};
 }
 
 // Heights above the ellipsoid near `centre`, to second order: about a millimetre per kilometre off,
@@ -90,17 +107,22 @@ class HeightsNear {
 
 } // namespace
 
-std::optional<HeightRange> heightsOf(StreamedTileset& tileset, Point<Ecef> centre) {
+Result<std::optional<HeightRange>> heightsOf(StreamedTileset& tileset, Point<Ecef> centre,
+                                             const Opening& opening) {
     const HeightsNear heightOf(centre);
     std::vector<double> heights;
-    for (const auto& content : firstContents(tileset, kContentsLookedAt))
+    const auto contents = firstContents(tileset, kContentsLookedAt, opening.deadline);
+    if (!contents)
+        return contents.error();
+    for (const auto& content : *contents)
         for (const Mesh& mesh : content->meshes)
             for (const glm::vec3& p : mesh.positions)
                 heights.push_back(heightOf({mesh.origin.xyz + glm::dvec3(p)}));
     if (heights.empty())
-        return std::nullopt;
+        return std::optional<HeightRange>();
     std::sort(heights.begin(), heights.end());
-    return HeightRange{heights[std::size_t(kBelowBase * double(heights.size()))], heights.back()};
+    return std::optional(
+        HeightRange{heights[std::size_t(kBelowBase * double(heights.size()))], heights.back()});
 }
 
 Result<OpenedLayer> openTileset(const Input& input, const std::shared_ptr<const Source>& source,
@@ -140,8 +162,12 @@ Result<OpenedLayer> openTileset(const Input& input, const std::shared_ptr<const 
         opened.origin = facts.placement->origin;
         opened.origin->heightMetres += facts.raiseMetres.value_or(0.0);
     }
-    if (!opening.unplaced) // then nobody asks for the scene's anchor
-        opened.heights = heightsOf(*opened.layer.tileset, opened.bounds.centre);
+    if (!opening.unplaced) { // else nobody asks for the scene's anchor
+        const auto heights = heightsOf(*opened.layer.tileset, opened.bounds.centre, opening);
+        if (!heights)
+            return heights.error();
+        opened.heights = *heights;
+    }
     return opened;
 }
 

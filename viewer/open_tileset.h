@@ -26,6 +26,8 @@ struct Opening {
     std::vector<Problem>& problems;
     std::vector<std::string>& credits;
     const SceneProgress& progress;
+    // Passing faults are waited out until then, and an error beyond; none: see SceneOptions.
+    std::optional<std::chrono::steady_clock::time_point> deadline = {};
 
     void note(const std::string& uri, const std::string& reason) {
         problems.push_back({Problem::Severity::Note, uri, reason});
@@ -43,6 +45,7 @@ Result<OpenedLayer> openTileset(const Input& input, const std::shared_ptr<const 
                                 const std::string& path, const LayerFacts& facts, Opening& opening);
 
 // Of the contents looked at first; none when there are none.
-std::optional<HeightRange> heightsOf(StreamedTileset& tileset, Point<Ecef> centre);
+Result<std::optional<HeightRange>> heightsOf(StreamedTileset& tileset, Point<Ecef> centre,
+                                             const Opening& opening);
 
 } // namespace gnomon

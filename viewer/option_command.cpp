@@ -19,6 +19,19 @@ CLI::Option* Command::option(const std::string& names, const std::string& value,
     return added;
 }
 
+void Command::repeated(const std::string& name, const std::string& value, const std::string& help,
+                       Read read) {
+    CLI::Option* added = app_.add_option_function<std::vector<std::string>>(
+        name,
+        [this, read = std::move(read)](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts)
+                if (!failure_)
+                    failure_ = read(text);
+        },
+        help);
+    added->type_name(value)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 void Command::number(const std::string& name, const std::string& value, const std::string& help,
                      double min, double max, std::function<void(double)> set) {
     option(name, value, help,

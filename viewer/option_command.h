@@ -25,6 +25,9 @@ class Command {
     // `value` stands for the value in the help; of an option given twice the last counts.
     CLI::Option* option(const std::string& names, const std::string& value, const std::string& help,
                         Read read);
+    // One that may be given several times, each of which counts.
+    void repeated(const std::string& name, const std::string& value, const std::string& help,
+                  Read read);
     void number(const std::string& name, const std::string& value, const std::string& help,
                 double min, double max, std::function<void(double)> set);
     void integer(const std::string& name, const std::string& value, const std::string& help,

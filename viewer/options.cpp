@@ -26,7 +26,16 @@ Failure take(Result<T> parsed, T& into) {
     return {};
 }
 
+Failure checkWeb(const HttpOptions& http) {
+    if (http.offline && !http.cacheFolder)
+        return Error{"--offline", "needs the folder that was filled before: --cache DIR",
+                     ErrorKind::Usage};
+    return {};
+}
+
 Failure checkInputs(const PictureOptions& picture, bool required) {
+    if (Failure wrong = checkWeb(picture.scene.http))
+        return wrong;
     const bool inputs = !picture.scene.inputs.empty();
     if (inputs && picture.benchScene)
         return Error{"--scene", "is given in place of inputs, not besides them", ErrorKind::Usage};
@@ -181,6 +190,8 @@ void addEvaluate(Command& command, EvaluateOptions& evaluate, std::optional<std:
 Failure completeEvaluate(EvaluateOptions& evaluate, const std::optional<std::string>& list) {
     if (evaluate.list)
         return {};
+    if (Failure wrong = checkWeb(evaluate.picture.scene.http))
+        return wrong;
     const bool inputs = !evaluate.picture.scene.inputs.empty();
     if (inputs && evaluate.sceneName)
         return Error{"--scene", "is given in place of inputs, not besides them", ErrorKind::Usage};
@@ -348,8 +359,11 @@ Result<CommandLine> parseCommandLine(const std::vector<std::string>& arguments) 
             return *wrong;
         return CommandLine(std::move(parser->capture));
     }
-    if (command == "info")
+    if (command == "info") {
+        if (Failure wrong = checkWeb(parser->info.scene.http))
+            return *wrong;
         return CommandLine(std::move(parser->info));
+    }
     if (command == "evaluate") {
         if (Failure wrong = completeEvaluate(parser->evaluate, parser->techniques))
             return *wrong;

@@ -159,6 +159,38 @@ void addLayers(Command& command, SceneOptions& scene) {
              scene.look, terrainLookNamed);
 }
 
+void addWeb(Command& command, HttpOptions& http) {
+    command.repeated("--header", "'NAME: VALUE'",
+                     "sent to the servers that INPUT names, and to no others; may be given several "
+                     "times",
+                     [&http](const std::string& text) -> Failure {
+                         if (Failure wrong = checkHttpHeader(text))
+                             return wrong;
+                         http.headers.push_back(text);
+                         return {};
+                     });
+    command.option("--cache", "DIR",
+                   "keep what comes from the web there, for the next run and for --offline "
+                   "[nothing is kept]",
+                   [&http](const std::string& text) -> Failure {
+                       if (text.empty())
+                           return Error{"--cache", "is empty", ErrorKind::Usage};
+                       http.cacheFolder = text;
+                       return {};
+                   });
+    command.app().add_flag("--offline", http.offline,
+                           "take everything from the cache, however old, and ask no server");
+    command.repeated("--allow-host", "HOST",
+                     "let tilesets name this host although it is in a private network or on this "
+                     "machine, as those may be that INPUT names; may be given several times",
+                     [&http](const std::string& text) -> Failure {
+                         if (text.empty())
+                             return Error{"--allow-host", "is empty", ErrorKind::Usage};
+                         http.allowedHosts.push_back(text);
+                         return {};
+                     });
+}
+
 } // namespace
 
 void addScene(Command& command, SceneOptions& scene, bool required) {
@@ -166,7 +198,8 @@ void addScene(Command& command, SceneOptions& scene, bool required) {
         "INPUT", scene.inputs,
         "tileset.json, a scene file, a folder with either, a model (glb, gltf, b3dm), a raster "
         "(GeoTIFF, ASC, NetCDF), footprints (GeoJSON, GeoPackage, Shapefile, CityJSON), terrain "
-        "(layer.json) or a flood result; KIND=PATH insists on a kind: terrain=, imagery=, depth=, "
+        "(layer.json) or a flood result; tilesets, models and layer.json also by http:// or "
+        "https://; KIND=PATH insists on a kind: terrain=, imagery=, depth=, "
         "stage=, buildings=, trees=, barriers=, lamps=, tileset=, model=");
     inputs->type_name("")->option_text("...")->expected(required ? 1 : 0, 1 << 16);
     if (required)
@@ -201,12 +234,12 @@ void addScene(Command& command, SceneOptions& scene, bool required) {
                        return {};
                    });
     addLayers(command, scene);
-    // A tile is held decoded and, about as large, on the GPU: half of the memory for each.
-    const auto halfOf = [](std::int64_t mb) { return std::size_t(mb) << 19; };
-    scene.loader.memoryBytes = halfOf(1024);
-    command.integer("--memory", "MB", "for tiles, decoded and on the GPU, at most [1024]", 16,
-                    1 << 20,
-                    [&scene, halfOf](std::int64_t mb) { scene.loader.memoryBytes = halfOf(mb); });
+    addWeb(command, scene.http);
+    constexpr std::size_t kMebibyte = std::size_t(1) << 20;
+    scene.loader.memoryBytes = 1024 * kMebibyte;
+    command.integer(
+        "--memory", "MB", "for tiles, decoded and on the GPU, at most [1024]", 16, 1 << 20,
+        [&scene](std::int64_t mb) { scene.loader.memoryBytes = std::size_t(mb) * kMebibyte; });
 }
 
 void addBenchScene(Command& command, PictureOptions& picture) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 namespace gnomon {
 
@@ -100,12 +101,20 @@ struct Asked {
     LayerFacts facts;
 };
 
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::duration<double> kLongestPatience{1e8}; // three years; a clock can hold it
+
 class SceneOpener {
   public:
-    explicit SceneOpener(const SceneOptions& options) : options_(options) {}
+    explicit SceneOpener(const SceneOptions& options) : options_(options) {
+        if (options.patience)
+            deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::min(*options.patience, kLongestPatience));
+    }
 
     void openInput(const std::string& argument) {
-        const Result<Input> input = identifyInput(argument);
+        const Result<Input> input =
+            patiently([&] { return identifyInput(argument, {}, openWeb()); });
         if (!input)
             return fail(input.error());
         if (input->kind == InputKind::SceneFile)
@@ -119,6 +128,10 @@ class SceneOpener {
 
     Result<Scene> finish() {
         openAsked();
+        for (const auto& source : webSources_)
+            source->forget();
+        if (passing_)
+            return *passing_;
         if (opened_.empty() && scene_.waters.empty() && !(options_.unplaced && anythingFound_))
             return first_.value_or(Error{"INPUT", "nothing to open", ErrorKind::Usage});
         if (!options_.unplaced) {
@@ -137,14 +150,44 @@ class SceneOpener {
     }
 
   private:
+    // One client for all inputs, made when the first is on the web.
+    OpenWeb openWeb() {
+        return [this](const std::string& url) -> Result<std::shared_ptr<const WebSource>> {
+            if (!web_) {
+                auto client = HttpClient::create(options_.http);
+                if (!client)
+                    return client.error();
+                web_ = std::move(*client);
+            }
+            auto source = httpSource(web_, url);
+            if (source)
+                webSources_.push_back(*source);
+            return source;
+        };
+    }
     void fail(const Error& error) {
         if (!first_)
             first_ = error;
+        if (deadline_ && error.kind == ErrorKind::Transient && !passing_)
+            passing_ = error;
         scene_.problems.push_back({Problem::Severity::Error, error.subject, error.reason});
     }
     Opening opening() {
-        return {options_.loader, options_.unplaced, asked_.size() > 1,
-                scene_.problems, scene_.credits,    options_.progress};
+        return {options_.loader, options_.unplaced, asked_.size() > 1, scene_.problems,
+                scene_.credits,  options_.progress, deadline_};
+    }
+    // Again while its fault may pass and there is time.
+    template <class Work>
+    auto patiently(const Work& work) -> decltype(work()) {
+        std::chrono::milliseconds pause{200}, longest{5000};
+        for (;;) {
+            auto result = work();
+            if (result || result.error().kind != ErrorKind::Transient || !deadline_ ||
+                Clock::now() + pause >= *deadline_)
+                return result;
+            std::this_thread::sleep_for(pause);
+            pause = std::min(2 * pause, longest);
+        }
     }
     template <class T, class Keep>
     void keep(Result<T> opened, const Keep& keepIt) {
@@ -214,6 +257,9 @@ class SceneOpener {
         switch (input.kind) {
         case InputKind::Tileset:
         case InputKind::Model: {
+            if (input.source)
+                return add(patiently(
+                    [&] { return openTileset(input, input.source, input.path, facts, opening); }));
             const SplitPath split = splitPath(input.path);
             return add(openTileset(input, fileSource(split.folder), split.name, facts, opening));
         }
@@ -292,7 +338,8 @@ class SceneOpener {
             scene_.problems.push_back(problem);
         }
         for (const LayerDescription& layer : file->layers) {
-            Result<Input> input = identifyInput(layer.path, layer.kind);
+            Result<Input> input =
+                patiently([&] { return identifyInput(layer.path, layer.kind, openWeb()); });
             if (!input) {
                 fail(input.error());
                 continue;
@@ -320,7 +367,10 @@ class SceneOpener {
     std::vector<LampsFile::Entry> lamps_;
     Ground standOn_; // the scene's ground, or the ellipsoid
     bool anythingFound_ = false;
-    Failure first_;
+    Failure first_, passing_;
+    std::optional<Clock::time_point> deadline_;
+    std::shared_ptr<HttpClient> web_;
+    std::vector<std::shared_ptr<const WebSource>> webSources_;
 };
 
 } // namespace
@@ -337,15 +387,30 @@ double WaterLayer::secondsAt(std::optional<UtcTime> time) const {
     return data.stepsAreAbsolute() ? time->seconds : time->seconds - startSeconds;
 }
 
-Result<Scene> openScene(const SceneOptions& options) {
+namespace {
+
+// All layers within one budget of memory.
+SceneOptions withLedger(SceneOptions options) {
+    if (!options.loader.ledger)
+        options.loader.ledger = std::make_shared<MemoryLedger>(options.loader.memoryBytes);
+    if (options.patience)
+        options.loader.attempts = std::numeric_limits<unsigned>::max();
+    return options;
+}
+
+} // namespace
+
+Result<Scene> openScene(const SceneOptions& asked) {
+    const SceneOptions options = withLedger(asked);
     SceneOpener opener(options);
     for (const std::string& input : options.inputs)
         opener.openInput(input);
     return opener.finish();
 }
 
-Result<Scene> openScene(const SceneOptions& options, std::shared_ptr<const Source> source,
+Result<Scene> openScene(const SceneOptions& asked, std::shared_ptr<const Source> source,
                         const Input& input) {
+    const SceneOptions options = withLedger(asked);
     SceneOpener opener(options);
     opener.openServed(input, source);
     return opener.finish();

@@ -8,6 +8,7 @@
 #include "shadows/lamp.h"
 #include "streaming/features/buildings.h"
 #include "streaming/flood/water_surface.h"
+#include "streaming/http/http.h"
 #include "streaming/loader.h"
 #include "streaming/source.h"
 #include "streaming/terrain/terrain.h"
@@ -33,6 +34,10 @@ struct SceneOptions : LayerFacts { // of all inputs that lack the fact
     std::optional<std::string> dataFolder;
     bool unplaced = false; // to look at, not to draw: what has no place stays in its own frame
     LoaderOptions loader;
+    HttpOptions http; // of inputs on the web
+    // A server's passing fault is waited out so long while the scene is opened, and beyond is an
+    // error of the whole. None: what cannot be had after a few attempts is left out.
+    std::optional<std::chrono::duration<double>> patience;
     SceneProgress progress; // may be null
 };
 

@@ -2,6 +2,7 @@
 
 #include "viewer/json_read.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -164,7 +165,7 @@ struct Folders {
     std::optional<std::string> data;
 
     std::string find(const std::string& path) const {
-        if (path.starts_with("http://") || path.starts_with("https://"))
+        if (isWebAddress(path))
             return path;
         const std::filesystem::path here = std::filesystem::path(beside) / path;
         std::error_code ignored;
@@ -207,6 +208,12 @@ Result<LayerDescription> readLayer(const Json& object, const Folders& folders,
         name + ": " + where, problems);
     if (layer.hole)
         layer.hole = folders.find(*layer.hole);
+    if (layer.hole && isWebAddress(*layer.hole))
+        read.fail("\"hole\" must be a file");
+    if (paths.size() > 1 && std::any_of(paths.begin(), paths.end(), isWebAddress))
+        read.fail("of several steps each must be a file");
+    if (read.failure())
+        return *read.failure();
     layer.kind = named->kind;
     if (!layer.waterKind)
         layer.waterKind = waterKindNamed(named->key);

@@ -17,15 +17,43 @@ constexpr double kHighestMetres = 20e3;
 constexpr double kWideMetres = 500e3;
 constexpr std::chrono::milliseconds kPoll{50};
 
-void loadOne(StreamedTileset& tileset, TileIndex tile) {
+using Clock = std::chrono::steady_clock;
+
+Failure loadOne(StreamedTileset& tileset, TileIndex tile,
+                std::optional<Clock::time_point> deadline) {
     const LoadRequest wanted{tile, 0.0};
     tileset.request({&wanted, 1});
     while (tileset.tree().node(tile).state == LoadState::Unloaded ||
            tileset.tree().node(tile).state == LoadState::Loading) {
+        // A disk that is slow is no fault.
+        if (const Error* fault = tileset.lastFault(tile);
+            fault && deadline && Clock::now() >= *deadline)
+            return *fault;
         const bool underWay = tileset.wait(kPoll);
         if (tileset.poll() == 0 && !underWay)
             break;
     }
+    return {};
+}
+
+} // namespace
+
+namespace {
+
+// Such coordinates lie near the plane of the equator, and what they hold is flat along z and wide
+// along what would be up. A real place at the equator is the other way round.
+bool looksProjected(const BoundingVolume& volume) {
+    constexpr double kLowestMetres = -1e3, kHighestGroundMetres = 1e4;
+    const auto* box = std::get_if<OrientedBox>(&volume);
+    if (!box)
+        return false;
+    const auto extent = [&](const Vector<Ecef>& direction) {
+        return extentAlong(volume, Point<Ecef>{}, direction);
+    };
+    const Interval z = extent({{0, 0, 1}});
+    const Interval up = extent(ellipsoidNormal(box->centre));
+    return z.min > kLowestMetres && z.max < kHighestGroundMetres &&
+           2.0 * (z.max - z.min) < up.max - up.min;
 }
 
 } // namespace
@@ -33,6 +61,8 @@ void loadOne(StreamedTileset& tileset, TileIndex tile) {
 bool standsOnEarth(const BoundingVolume& volume) {
     if (std::holds_alternative<Region>(volume))
         return true;
+    if (looksProjected(volume))
+        return false;
     const Sphere sphere = boundingSphere(volume);
     const double fromCentre = length(sphere.centre - Point<Ecef>{});
     if (!std::isfinite(fromCentre) || !std::isfinite(sphere.radiusMetres))
@@ -81,11 +111,11 @@ std::optional<Geodetic> uprightOrigin(const Transform<Ecef, Tile>& frame) {
     return place;
 }
 
-std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& tileset,
-                                                              std::size_t count) {
+Result<FirstContents> firstContents(StreamedTileset& tileset, std::size_t count,
+                                    std::optional<Clock::time_point> deadline) {
     // Broken tilesets may name thousands of contents that are not there.
     constexpr std::size_t kMostTried = 64;
-    std::vector<std::shared_ptr<const TileContent>> found;
+    FirstContents found;
     std::deque<TileIndex> queue{TileTree::root()};
     std::size_t tried = 0;
     while (!queue.empty() && found.size() < count && tried < kMostTried) {
@@ -93,7 +123,8 @@ std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& t
         queue.pop_front();
         if (tileset.tree().node(tile).content != ContentKind::None) {
             ++tried;
-            loadOne(tileset, tile);
+            if (Failure late = loadOne(tileset, tile, deadline))
+                return *late;
             if (auto content = tileset.content(tile); content && !content->meshes.empty())
                 found.push_back(std::move(content));
         }
@@ -104,7 +135,7 @@ std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& t
     return found;
 }
 
-std::optional<ModelUp> upFromGeometry(const std::vector<std::shared_ptr<const TileContent>>& some) {
+std::optional<ModelUp> upFromGeometry(const FirstContents& some) {
     glm::dvec3 areaVector(0.0);
     double area = 0.0;
     for (const auto& content : some)

@@ -3,9 +3,14 @@
 
 #include "viewer/scene.h"
 
+#include <chrono>
+#include <optional>
+#include <vector>
+
 namespace gnomon {
 
-// Near the Earth's surface, or around the whole Earth.
+// Near the Earth's surface, or around the whole Earth. Not what lies in a map projection's
+// coordinates that happen to be as far from their origin as the surface is from the Earth's centre.
 bool standsOnEarth(const BoundingVolume& volume);
 
 // Which axis of a frame is up. A glTF file's own z, if that is up, is -y once the file is decoded,
@@ -21,12 +26,15 @@ Transform<Ecef, Tile> placedFrame(const Placement& placement, double raiseMetres
 std::optional<Geodetic> uprightOrigin(const Transform<Ecef, Tile>& frame);
 
 // The first contents of a tileset, breadth first, loaded one after the other. Failed ones are
-// passed over. The same set for the same tileset, however fast the disk is.
-std::vector<std::shared_ptr<const TileContent>> firstContents(StreamedTileset& tileset,
-                                                              std::size_t count);
+// passed over. The same set for the same tileset, however fast the disk is. With a deadline, what
+// fails in passing until then (a server that is away) is an error.
+using FirstContents = std::vector<std::shared_ptr<const TileContent>>;
+Result<FirstContents>
+firstContents(StreamedTileset& tileset, std::size_t count,
+              std::optional<std::chrono::steady_clock::time_point> deadline = {});
 
 // The axis an open surface faces: Y when terrain-like geometry in its own frame says so. Nullopt
 // when the geometry tells nothing (closed bodies, walls).
-std::optional<ModelUp> upFromGeometry(const std::vector<std::shared_ptr<const TileContent>>& some);
+std::optional<ModelUp> upFromGeometry(const FirstContents& some);
 
 } // namespace gnomon

@@ -1,8 +1,12 @@
 #include "viewer/shot.h"
 
 #include "bench/scenes.h"
+#include "streaming/terrain/ground_heights.h"
 #include "viewer/fit_camera.h"
+#include "viewer/messages.h"
 #include "viewer/progress.h"
+
+#include <cmath>
 
 namespace gnomon {
 
@@ -10,9 +14,12 @@ Result<Shots> Shots::create(const PictureOptions& options) {
     Shots shots(options);
     if (const CameraFile* file = std::get_if<CameraFile>(&options.camera)) {
         Result<CameraPath> path =
-            CameraPath::load(file->path, options.fovDegrees.value_or(kDefaultFovDegrees));
+            CameraPath::load(file->path, options.fovDegrees.value_or(kDefaultFovDegrees),
+                             double(options.widthPixels) / options.heightPixels);
         if (!path)
             return path.error();
+        for (const std::string& note : path->notes())
+            sayNote(file->path, note);
         shots.path_ = std::move(*path);
     }
     return shots;
@@ -35,10 +42,27 @@ Camera Shots::cameraFor(const Scene& scene) const {
     return camera;
 }
 
+// Where nothing tells the ground's height, the layers' base does.
+const CameraPath& Shots::pathIn(const Scene& scene) const {
+    if (!path_->needsGround())
+        return *path_;
+    if (!pathOnGround_)
+        pathOnGround_ = path_->onGround([&](double lon, double lat) {
+            const double base = scene.ground
+                                    ? scene.ground->heightMetres.value_or(scene.anchor.heightMetres)
+                                    : scene.anchor.heightMetres;
+            if (!scene.groundHeights)
+                return base;
+            const double height = scene.groundHeights->at({lon, lat});
+            return std::isnan(height) ? base : height;
+        });
+    return *pathOnGround_;
+}
+
 Shot Shots::at(double seconds, const Scene& scene) const {
     Shot shot;
     if (path_) {
-        CameraPath::Sample sample = path_->sample(path_->startSeconds() + seconds);
+        CameraPath::Sample sample = pathIn(scene).sample(path_->startSeconds() + seconds);
         shot.camera = sample.camera;
         shot.time = sample.time;
     } else {

@@ -33,9 +33,11 @@ class Shots {
   private:
     explicit Shots(const PictureOptions& options) : options_(options) {}
     Camera cameraFor(const Scene& scene) const;
+    const CameraPath& pathIn(const Scene& scene) const;
 
     PictureOptions options_;
     std::optional<CameraPath> path_;
+    mutable std::optional<CameraPath> pathOnGround_; // of the first scene it was asked for
 };
 
 // The inputs, or the built-in scene asked for by name.

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include <fcntl.h>
@@ -112,7 +113,8 @@ int writeAll(int fd, const std::uint8_t* bytes, std::size_t count) {
 } // namespace
 
 struct VideoFile::State {
-    std::string path, temporary;
+    std::string path;
+    std::optional<TemporaryFile> temporary;
     VideoFormat format;
     pid_t child = -1;
     int input = -1;    // to ffmpeg
@@ -124,8 +126,6 @@ struct VideoFile::State {
         waitForChild();
         if (messages >= 0)
             ::close(messages);
-        if (!temporary.empty())
-            ::unlink(temporary.c_str());
     }
     void closeInput() {
         if (input >= 0)
@@ -168,7 +168,7 @@ Failure VideoFile::State::spawn() {
         return failed(path, std::strerror(errno));
     input = ends[1];
     messages = ::memfd_create("ffmpeg", MFD_CLOEXEC);
-    std::vector<std::string> arguments = argumentsFor(format, temporary);
+    std::vector<std::string> arguments = argumentsFor(format, temporary->name());
     std::vector<char*> pointers;
     for (std::string& argument : arguments)
         pointers.push_back(argument.data());
@@ -196,7 +196,10 @@ Result<std::unique_ptr<VideoFile>> VideoFile::create(const std::string& path,
     state->format = format;
     if (Failure cannot = checkWritable(path))
         return *cannot;
-    state->temporary = temporaryNameFor(path);
+    Result<TemporaryFile> temporary = TemporaryFile::create(path);
+    if (!temporary)
+        return temporary.error();
+    state->temporary = std::move(*temporary);
     if (Failure cannot = state->spawn())
         return *cannot;
     return std::unique_ptr<VideoFile>(new VideoFile(std::move(state)));
@@ -238,7 +241,7 @@ Failure VideoFile::finish() {
     // A trailer that did not fit on the disk is said, but not always in the exit status.
     if (status != 0 || !words.empty())
         return failed(s.path, "ffmpeg failed" + (words.empty() ? "" : ": " + words));
-    return finishFile(std::exchange(s.temporary, {}), s.path);
+    return s.temporary->finish();
 }
 
 } // namespace gnomon

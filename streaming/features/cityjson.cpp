@@ -135,7 +135,7 @@ struct Vertices {
 
 class CityReader {
   public:
-    CityReader(const std::string& path, FeatureFile& file) : path_(path), file_(file) {}
+    explicit CityReader(FeatureFile& file) : file_(file) {}
 
     void readWhole(const Json& root) {
         readHeader(root);
@@ -300,7 +300,6 @@ class CityReader {
         return vertices;
     }
 
-    const std::string& path_;
     FeatureFile& file_;
     Vertices vertices_;
     RawFeatures raw_;
@@ -355,7 +354,7 @@ Failure readCityJson(const std::string& path, const std::string& text,
     std::string_view view = text;
     if (view.starts_with("\xef\xbb\xbf"))
         view.remove_prefix(3);
-    CityReader reader(path, file);
+    CityReader reader(file);
     try {
         if (isSequence(view))
             readSequence(view, reader, path, file);

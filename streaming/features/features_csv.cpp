@@ -16,11 +16,13 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kSpace = " \t\r\"";
-    const std::size_t first = text.find_first_not_of(kSpace);
+// A field's quotes go with its blanks; a line's must not: its first field may be a quoted one.
+constexpr std::string_view kBlank = " \t\r", kBlankOrQuote = " \t\r\"";
+
+std::string_view trimmed(std::string_view text, std::string_view of = kBlankOrQuote) {
+    const std::size_t first = text.find_first_not_of(of);
     return first == text.npos ? std::string_view{}
-                              : text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+                              : text.substr(first, text.find_last_not_of(of) - first + 1);
 }
 
 struct Format {
@@ -123,7 +125,7 @@ class CsvReader {
         std::size_t number = 0;
         for (std::size_t at = 0; at < text.size();) {
             const std::size_t end = std::min(text.find('\n', at), text.size());
-            const std::string_view line = trimmed(text.substr(at, end - at));
+            const std::string_view line = trimmed(text.substr(at, end - at), kBlank);
             at = end + 1;
             ++number;
             if (line.empty() || line.front() == '#')
@@ -158,8 +160,10 @@ class CsvReader {
         const auto x = value(columns_.x), y = value(columns_.y);
         if (!x || !y || (fields.size() <= last && !points_)) {
             constexpr std::size_t kShown = 40;
-            return Error{path_, "line " + std::to_string(number) + " ('" +
-                                    std::string(line.substr(0, kShown)) +
+            std::string shown(line.substr(0, kShown));
+            for (char& c : shown)
+                c = static_cast<unsigned char>(c) < ' ' || c == 0x7f ? '?' : c;
+            return Error{path_, "line " + std::to_string(number) + " ('" + shown +
                                     "') is no x and y of a vertex"};
         }
         const glm::dvec3 vertex(*x, *y, columns_.z ? value(*columns_.z).value_or(kNaN) : kNaN);

@@ -186,8 +186,7 @@ std::string idOf(const OGRFeature& feature, const Feature& read) {
 
 class LayerReader {
   public:
-    LayerReader(const std::string& path, OGRLayer& layer, FeatureFile& file)
-        : path_(path), layer_(layer), file_(file) {}
+    LayerReader(OGRLayer& layer, FeatureFile& file) : layer_(layer), file_(file) {}
 
     RawFeatures run() {
         findCrs();
@@ -251,7 +250,6 @@ class LayerReader {
     static constexpr std::array<const char*, 3> kSameBut = {
         "IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
         "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS", nullptr};
-    const std::string& path_;
     OGRLayer& layer_;
     FeatureFile& file_;
     RawFeatures raw_;
@@ -290,7 +288,7 @@ Failure readWithOgr(const std::string& path, std::vector<RawFeatures>& out, Feat
     for (OGRLayer* layer : data->GetLayers()) {
         if (layer->GetGeomType() == wkbNone)
             continue;
-        RawFeatures raw = LayerReader(path, *layer, file).run();
+        RawFeatures raw = LayerReader(*layer, file).run();
         raw.crsIsFormats = format.starts_with("GeoJSON") &&
                            (raw.crsName == "EPSG:4326" || raw.crsName == "EPSG:4979" ||
                             raw.crsName == "OGC:CRS84");

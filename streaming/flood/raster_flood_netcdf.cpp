@@ -12,8 +12,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
-
 // Read at once: no more than any file may hold.
 constexpr std::size_t kValuesAtOnce = 1'000'000;
 

@@ -171,7 +171,7 @@ const Corner* withNext(std::span<const Corner> fan, std::uint32_t next) {
 // larger face is given them as corners, so that neighbours meet.
 class HangingPoints {
   public:
-    HangingPoints(const PolygonMesh& mesh, Fans& fans) : points_(mesh.points), mesh_(mesh) {
+    HangingPoints(const PolygonMesh& mesh, Fans& fans) : points_(mesh.points) {
         double shortest = std::numeric_limits<double>::infinity();
         std::vector<std::uint32_t> rim;
         for (std::uint32_t p = 0; p < points_.size(); ++p)
@@ -233,7 +233,6 @@ class HangingPoints {
     }
 
     const std::vector<glm::dvec2>& points_;
-    const PolygonMesh& mesh_;
     double tolerance_ = 0.0;
     std::unordered_map<std::uint64_t, std::uint32_t> at_;
 };

@@ -16,7 +16,8 @@ namespace gnomon {
 struct HttpLimits {
     unsigned requestsAtOnce = 20;
     unsigned redirects = 5;
-    std::chrono::seconds deadline{30};            // of one request, whatever drips in
+    // Of one request, whatever drips in; only what flows faster than 256 kB/s is given longer.
+    std::chrono::seconds deadline{30};
     std::size_t bodyBytes = std::size_t(1) << 30; // after unpacking
     std::size_t headerBytes = std::size_t(256) << 10;
     // Of one request when it fails in passing (no answer, 408, 429, 5xx, cut short); waits between
@@ -33,6 +34,8 @@ struct HttpOptions {
     // server must not make us ask others.
     std::vector<std::string> allowedHosts;
     std::optional<std::string> cacheFolder; // none: nothing is kept
+    std::uint64_t cacheBytes = std::uint64_t(4)
+                               << 30; // of bodies; the least recently used go first
     bool offline = false; // from the cache alone, however old; what is not there is an error
     HttpLimits limits;
 };
@@ -53,16 +56,31 @@ class HttpClient {
 
   private:
     friend class HttpSource;
-    struct State;
+    class State;
     explicit HttpClient(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };
 
 bool isWebAddress(const std::string& uri); // http:// or https://, in any letter case
+// What is wrong with an HttpOptions::headers; the header itself is not in the error.
+Failure checkHttpHeader(const std::string& header);
+
+// What a client reaches from one address.
+class WebSource : public Source {
+  public:
+    // read(), and whoever reads it after that gets the same bytes without asking again, until
+    // forget(): for looking at what it is before it is opened.
+    virtual Result<Bytes> peek(const std::string& path) const = 0;
+    virtual void forget() const = 0;
+};
 
 // All that can be reached from `url`, which the user named. Its own query (a key, a token) goes
-// along with every request to the same scheme, host and port whose URL does not set it itself.
-std::shared_ptr<const Source> httpSource(std::shared_ptr<HttpClient> client,
-                                         const std::string& url);
+// along with every request to the same scheme, host and port whose URL does not set it itself. So
+// does a user's name and password in it.
+Result<std::shared_ptr<const WebSource>> httpSource(std::shared_ptr<HttpClient> client,
+                                                    const std::string& url);
+// What the document that the user named is called in its source, so that no message has a key in
+// it: `url` without user and query, which the source adds.
+Result<std::string> httpPath(const std::string& url);
 
 } // namespace gnomon

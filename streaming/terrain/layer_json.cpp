@@ -130,6 +130,12 @@ Result<LayerJson> parse(std::span<const std::byte> bytes, const std::string& nam
         return Error{name, "names no tiles (\"tiles\" is missing or empty)"};
     if (const std::string version = text(json, "version"); !version.empty())
         layer.version = version;
+    // Templates are filled in for every tile, and with the version as often as they name it.
+    constexpr std::size_t kMostTemplate = 4096, kMostVersion = 256;
+    if (layer.templates.front().size() > kMostTemplate || layer.version.size() > kMostVersion)
+        return Error{name, "has a template or version of more than " +
+                               std::to_string(kMostTemplate) + " or " +
+                               std::to_string(kMostVersion) + " characters"};
     readAvailable(json, layer);
     readMetadataLevels(json, layer);
     layer.parentUrl = text(json, "parentUrl");

@@ -290,16 +290,18 @@ void findFacts(QuantizedCore& core, const HeightShift& shift) {
 
 } // namespace
 
-Result<std::shared_ptr<const Terrain>> openQuantizedMesh(const std::string& path,
-                                                         const TerrainOptions& options) {
+namespace {
+
+Result<std::shared_ptr<const Terrain>>
+terrainOf(Result<std::unique_ptr<const QuantizedPyramid>> pyramid, const std::string& path,
+          const TerrainOptions& options) {
+    if (!pyramid)
+        return pyramid.error();
     auto core = std::make_shared<QuantizedCore>();
     core->path = path;
     core->look = options.look;
     core->heights = options.heights;
     core->raiseMetres = options.raiseMetres;
-    auto pyramid = QuantizedPyramid::open(path);
-    if (!pyramid)
-        return pyramid.error();
     core->pyramid = std::move(*pyramid);
     HeightShift shift(options.heights, options.raiseMetres);
     if (const Failure wrong = shift.prepare(core->pyramid->extent()))
@@ -307,6 +309,20 @@ Result<std::shared_ptr<const Terrain>> openQuantizedMesh(const std::string& path
     findHeights(*core);
     findFacts(*core, shift);
     return std::shared_ptr<const Terrain>(std::make_shared<QuantizedTerrain>(std::move(core)));
+}
+
+} // namespace
+
+Result<std::shared_ptr<const Terrain>> openQuantizedMesh(const std::string& path,
+                                                         const TerrainOptions& options) {
+    return terrainOf(QuantizedPyramid::open(path), path, options);
+}
+
+Result<std::shared_ptr<const Terrain>> openQuantizedMesh(std::shared_ptr<const Source> source,
+                                                         const std::string& path,
+                                                         const TerrainOptions& options) {
+    const std::string shown = source->describe(path);
+    return terrainOf(QuantizedPyramid::open(std::move(source), path), shown, options);
 }
 
 } // namespace gnomon

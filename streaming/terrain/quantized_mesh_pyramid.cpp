@@ -12,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned kMostParents = 8;
+constexpr std::size_t kMostRecentBytes = std::size_t(16) << 20, kMostRecent = 256;
 constexpr std::size_t kMostRoots = 20000;
 // Of the finest level, to say which are missing.
 constexpr std::uint64_t kMostChecked = 20000;
@@ -48,6 +49,37 @@ bool looksLikeJson(std::span<const std::byte> bytes) {
 
 } // namespace
 
+std::shared_ptr<const Bytes> RecentBytes::find(const std::string& path) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [kept, bytes] : kept_)
+        if (kept == path)
+            return bytes;
+    return nullptr;
+}
+
+void RecentBytes::add(const std::string& path, std::shared_ptr<const Bytes> bytes) {
+    const std::lock_guard lock(mutex_);
+    bytes_ += bytes->size();
+    kept_.emplace_back(path, std::move(bytes));
+    while (bytes_ > kMostRecentBytes || kept_.size() > kMostRecent) {
+        bytes_ -= kept_.front().second->size();
+        kept_.pop_front();
+    }
+}
+
+Result<std::shared_ptr<const Bytes>> QuantizedPyramid::bytesOf(const std::string& path) const {
+    if (!folder_)
+        if (auto recent = recent_.find(path))
+            return recent;
+    Result<Bytes> bytes = source_->read(path);
+    if (!bytes)
+        return bytes.error();
+    auto kept = std::make_shared<const Bytes>(std::move(*bytes));
+    if (!folder_)
+        recent_.add(path, kept);
+    return kept;
+}
+
 Result<std::unique_ptr<const QuantizedPyramid>> QuantizedPyramid::open(const std::string& path) {
     std::unique_ptr<QuantizedPyramid> pyramid(new QuantizedPyramid);
     std::error_code error;
@@ -55,18 +87,32 @@ Result<std::unique_ptr<const QuantizedPyramid>> QuantizedPyramid::open(const std
     if (fs::is_directory(file, error))
         file /= "layer.json";
     pyramid->folder_ = file.parent_path().string();
-    pyramid->source_ = fileSource(pyramid->folder_);
-    const std::string name = file.filename().string();
+    pyramid->source_ = fileSource(*pyramid->folder_);
+    return openAll(std::move(pyramid), file.filename().string(), path);
+}
+
+Result<std::unique_ptr<const QuantizedPyramid>>
+QuantizedPyramid::open(std::shared_ptr<const Source> source, const std::string& path) {
+    std::unique_ptr<QuantizedPyramid> pyramid(new QuantizedPyramid);
+    pyramid->source_ = std::move(source);
+    const std::string shown = pyramid->source_->describe(path);
+    return openAll(std::move(pyramid), path, shown);
+}
+
+Result<std::unique_ptr<const QuantizedPyramid>>
+QuantizedPyramid::openAll(std::unique_ptr<QuantizedPyramid> pyramid, const std::string& name,
+                          const std::string& shown) {
     const Result<Bytes> bytes = pyramid->source_->read(name);
     if (!bytes)
         return bytes.error();
     Failure wrong = looksLikeJson(*bytes) ? pyramid->addLayers(name) : pyramid->placeSingle(name);
     if (!wrong)
-        wrong = pyramid->findRoots(path);
+        wrong = pyramid->findRoots(shown);
     if (wrong)
         return *wrong;
     pyramid->findExtent();
-    pyramid->noteMissing();
+    if (pyramid->folder_)
+        pyramid->noteMissing();
     return std::unique_ptr<const QuantizedPyramid>(std::move(pyramid));
 }
 
@@ -122,7 +168,7 @@ Failure QuantizedPyramid::placeSingle(const std::string& name) {
     if (!tile)
         return tile.error();
     std::error_code error;
-    const fs::path whole = fs::absolute(shown, error);
+    const fs::path whole = folder_ ? fs::absolute(shown, error) : fs::path(shown);
     const auto found = placeOf(*tile, error ? shown : whole.generic_string());
     if (!found)
         return Error{shown, "does not tell where it belongs: neither its path (z/x/y.terrain) nor "
@@ -146,7 +192,17 @@ std::string QuantizedPyramid::pathOf(const Layer& layer, const QuantizedPlace& p
 
 bool QuantizedPyramid::isFile(const std::string& path) const {
     std::error_code error;
-    return !path.empty() && fs::is_regular_file(fs::path(folder_) / path, error);
+    return !path.empty() && fs::is_regular_file(fs::path(*folder_) / path, error);
+}
+
+bool QuantizedPyramid::isThere(const Layer& layer, const QuantizedPlace& place) const {
+    const std::string path = pathOf(layer, place);
+    if (folder_)
+        return isFile(path);
+    if (path.empty())
+        return false;
+    const bool told = layer.json.saysAvailable || layer.json.metadataLevels > 0;
+    return told || bool(bytesOf(path));
 }
 
 bool QuantizedPyramid::claims(const Layer& layer, const QuantizedPlace& place) const {
@@ -182,7 +238,7 @@ int QuantizedPyramid::layerOf(const QuantizedPlace& place) const {
     }
     int found = -1;
     for (std::size_t i = 0; i < layers_.size() && found < 0; ++i)
-        if (claims(layers_[i], place) && isFile(pathOf(layers_[i], place)))
+        if (claims(layers_[i], place) && isThere(layers_[i], place))
             found = int(i);
     const std::lock_guard lock(mutex_);
     Known& known = known_[place];
@@ -226,11 +282,10 @@ Result<QuantizedTile> QuantizedPyramid::read(const QuantizedPlace& place) const 
     const int layer = layerOf(place);
     if (layer < 0)
         return Error{describe(place), "there is no such tile"};
-    const Result<Bytes> bytes =
-        source_->read(single_ ? singlePath_ : pathOf(layers_[std::size_t(layer)], place));
+    const auto bytes = bytesOf(single_ ? singlePath_ : pathOf(layers_[std::size_t(layer)], place));
     if (!bytes)
         return bytes.error();
-    return decodeQuantizedTile(*bytes, describe(place));
+    return decodeQuantizedTile(**bytes, describe(place));
 }
 
 std::shared_ptr<const QuantizedSummary>
@@ -243,9 +298,8 @@ QuantizedPyramid::summary(const QuantizedPlace& place) const {
     const int layer = layerOf(place);
     if (layer < 0)
         return nullptr;
-    const Result<Bytes> bytes =
-        source_->read(single_ ? singlePath_ : pathOf(layers_[std::size_t(layer)], place));
-    Result<QuantizedSummary> read = bytes ? readQuantizedSummary(*bytes, describe(place))
+    const auto bytes = bytesOf(single_ ? singlePath_ : pathOf(layers_[std::size_t(layer)], place));
+    Result<QuantizedSummary> read = bytes ? readQuantizedSummary(**bytes, describe(place))
                                           : Result<QuantizedSummary>(bytes.error());
     if (!read)
         return nullptr;
@@ -253,6 +307,21 @@ QuantizedPyramid::summary(const QuantizedPlace& place) const {
     const std::lock_guard lock(mutex_);
     known_[place].summary = out;
     return out;
+}
+
+// What is told of and cannot be looked for is asked for, until one is there.
+Failure QuantizedPyramid::dropMissingRoots() {
+    constexpr std::size_t kMostAsked = 64; // a server that has none of these has none
+    for (std::size_t asked = 0; !roots_.empty(); ++asked) {
+        const auto bytes =
+            bytesOf(pathOf(layers_[std::size_t(layerOf(roots_.front()))], roots_.front()));
+        if (bytes)
+            return {};
+        if (bytes.error().kind == ErrorKind::Transient)
+            return bytes.error();
+        roots_.erase(roots_.begin(), asked < kMostAsked ? roots_.begin() + 1 : roots_.end());
+    }
+    return {};
 }
 
 // The first level that has any tile.
@@ -277,6 +346,9 @@ Failure QuantizedPyramid::findRoots(const std::string& path) {
                 eachOf(layer.json.available[level], level, webMercator_, kMostRoots, take);
             }
     }
+    if (!folder_)
+        if (Failure wrong = dropMissingRoots())
+            return wrong;
     if (roots_.empty())
         return Error{path, told > 0 ? "tells of tiles, but none of the first of them is there"
                                     : "has no tile where its first should be (" +

@@ -6,6 +6,7 @@
 #include "streaming/terrain/layer_json.h"
 #include "streaming/terrain/quantized_mesh_surface.h"
 
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,10 +24,27 @@ struct QuantizedPlaceHash {
     }
 };
 
+// What was read last: a tile is looked at before it is shown, and a server would be asked twice.
+// From several threads at once.
+class RecentBytes {
+  public:
+    std::shared_ptr<const Bytes> find(const std::string& path) const;
+    void add(const std::string& path, std::shared_ptr<const Bytes> bytes);
+
+  private:
+    mutable std::mutex mutex_;
+    std::deque<std::pair<std::string, std::shared_ptr<const Bytes>>> kept_;
+    std::size_t bytes_ = 0;
+};
+
 class QuantizedPyramid {
   public:
     // A layer.json or a .terrain file; what is wrong but can be lived with is in notes().
     static Result<std::unique_ptr<const QuantizedPyramid>> open(const std::string& path);
+    // By a path in a source whose files cannot be looked for, only asked for: what a layer.json
+    // says is there is taken to be; only where it says nothing tiles are read to find out.
+    static Result<std::unique_ptr<const QuantizedPyramid>>
+    open(std::shared_ptr<const Source> source, const std::string& path);
 
     bool webMercator() const { return webMercator_; }
     const std::vector<std::string>& notes() const { return notes_; }
@@ -62,16 +80,23 @@ class QuantizedPyramid {
     Failure addLayers(const std::string& document);
     Failure placeSingle(const std::string& path);
     Failure findRoots(const std::string& path);
+    Failure dropMissingRoots();
     void findExtent();
     std::string pathOf(const Layer& layer, const QuantizedPlace& place) const;
+    static Result<std::unique_ptr<const QuantizedPyramid>>
+    openAll(std::unique_ptr<QuantizedPyramid> pyramid, const std::string& name,
+            const std::string& shown);
+    Result<std::shared_ptr<const Bytes>> bytesOf(const std::string& path) const;
     bool isFile(const std::string& path) const;
+    bool isThere(const Layer& layer, const QuantizedPlace& place) const;
     bool claims(const Layer& layer, const QuantizedPlace& place) const;
     int layerOf(const QuantizedPlace& place) const;
     void noteMissing();
 
-    std::string folder_;
+    std::optional<std::string> folder_; // none: not files
     std::shared_ptr<const Source> source_;
-    std::vector<Layer> layers_; // the user's own first, then those it leans on
+    mutable RecentBytes recent_; // where there is no folder
+    std::vector<Layer> layers_;  // the user's own first, then those it leans on
     std::optional<QuantizedPlace> single_;
     std::string singlePath_;
     bool webMercator_ = false;

@@ -176,7 +176,8 @@ void readExtension(std::uint8_t id, Span bytes, std::size_t vertices, QuantizedT
         }
         tile.extensions.push_back("octvertexnormals");
         tile.normals.resize(vertices);
-        std::memcpy(tile.normals.data(), bytes.data(), bytes.size());
+        if (vertices > 0)
+            std::memcpy(tile.normals.data(), bytes.data(), bytes.size());
     } else if (id == WaterMask) {
         tile.extensions.push_back("watermask");
         tile.waterMaskBytes = bytes.size();

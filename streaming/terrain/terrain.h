@@ -70,5 +70,10 @@ class Terrain : public GroundHeights {
 // A quantized-mesh pyramid (layer.json) or a single .terrain tile, as the same.
 Result<std::shared_ptr<const Terrain>> openQuantizedMesh(const std::string& path,
                                                          const TerrainOptions& options);
+// The same by a path in a source.
+class Source;
+Result<std::shared_ptr<const Terrain>> openQuantizedMesh(std::shared_ptr<const Source> source,
+                                                         const std::string& path,
+                                                         const TerrainOptions& options);
 
 } // namespace gnomon

@@ -22,8 +22,9 @@ struct Loaded {
 inline Loaded loadAll(Scene& scene) {
     Loaded out;
     const Transform<Enu, Ecef> anchorFromEcef = rigidInverse(scene.ecefFromAnchor);
-    for (Layer& layer : scene.layers)
-        for (const auto& content : firstContents(*layer.tileset, 4096)) {
+    for (Layer& layer : scene.layers) {
+        const auto contents = firstContents(*layer.tileset, 4096).value();
+        for (const auto& content : contents) {
             out.contents.push_back(content);
             out.closed += content->facts.closedTriangles;
             for (const Mesh& mesh : content->meshes) {
@@ -41,6 +42,7 @@ inline Loaded loadAll(Scene& scene) {
                 }
             }
         }
+    }
     return out;
 }
 

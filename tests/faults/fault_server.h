@@ -30,8 +30,14 @@ enum class Fault {
     RedirectAway, // to `redirectTarget`
 };
 
+const char* nameOf(Fault fault); // "503", "reset", "gzip-bomb": as fault_server takes them
+std::optional<Fault> faultNamed(const std::string& name);
+// Those that pass: a client that asks again gets the file in the end.
+std::vector<Fault> passingFaults();
+
 struct FaultOptions {
     std::string folder;
+    std::uint16_t port = 0; // 0: chosen by the system
     std::uint64_t seed = 1;
     double share = 0.0; // of the requests that get one of `faults`, in 0…1
     std::vector<Fault> faults;
@@ -51,12 +57,12 @@ struct ServedRequest {
 
 class FaultServer {
   public:
-    explicit FaultServer(const FaultOptions& options); // port chosen by the system, 127.0.0.1
+    explicit FaultServer(const FaultOptions& options); // 127.0.0.1; throws when it cannot listen
     ~FaultServer();
     std::string url() const; // http://127.0.0.1:PORT
     std::vector<ServedRequest> served() const;
     std::uint64_t connections() const;
-    // In place of the plan: what one request gets.
+    // In place of the plan: what one request gets. `attempt` is 0 for the first of a target.
     void decide(std::function<Fault(const std::string& target, unsigned attempt)> choose);
     void setOffline(bool offline); // refuses connections while true
 

@@ -33,7 +33,7 @@ class Passes {
             selections.push_back(settle(*layer.tileset, std::span(&view, 1), {8.0, false},
                                         std::chrono::steady_clock::now() + std::chrono::minutes(1))
                                      .selection);
-        items_ = cache_.items(selections, 1000000);
+        items_ = cache_.items(selections);
         if (ground_)
             for (const render::GpuMesh& mesh : ground_->meshes())
                 items_.push_back({&*ground_, &mesh, 0});

@@ -4,3 +4,4 @@ foreach(name frame shadow_shape shadow_plane penumbra stability real_data golden
   target_compile_definitions(${name}_gl_test PRIVATE GNOMON_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endforeach()
 include(${CMAKE_CURRENT_LIST_DIR}/water_tests.cmake OPTIONAL)
+include(${CMAKE_CURRENT_LIST_DIR}/streaming_tests.cmake OPTIONAL)

@@ -1,5 +1,5 @@
 # Tests of decoding one tile's content. glb_builder.h makes their fixtures.
-foreach(name mesh clean gltf content hostile_content draco image real_content)
+foreach(name mesh clean gltf content draco image real_content)
   gnomon_test(streaming/${name}_test gnomon::streaming nlohmann_json::nlohmann_json)
   target_compile_definitions(${name}_test PRIVATE GNOMON_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endforeach()

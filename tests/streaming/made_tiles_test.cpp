@@ -14,7 +14,7 @@ BoundingVolume ball(double eastMetres, double radiusMetres) {
     return Sphere{ecefFromEnu(kPlace)(Point<Enu>{{eastMetres, 0, 0}}), radiusMetres};
 }
 
-// One triangle a tile, told apart by where it lies; "bad" fails, "deep" grows two tiles.
+// One triangle a tile, told apart by its format; "bad" fails, "deep" grows two tiles.
 class Maker : public ContentMaker {
   public:
     Result<TileContent> make(const std::string& path, const DecodeOptions&) const override {
@@ -23,8 +23,12 @@ class Maker : public ContentMaker {
             return Error{path, "cannot be made"};
         TileContent content;
         content.facts.format = path;
-        content.meshes.emplace_back();
-        content.meshes.back().positions.resize(path.size());
+        content.materials.emplace_back();
+        Mesh& mesh = content.meshes.emplace_back();
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        mesh.normals.resize(3);
+        mesh.indices = {0, 1, 2};
+        mesh.faceNormals.resize(1);
         return content;
     }
     Result<std::vector<MadeTile>> below(const std::string& path) const override {
@@ -85,6 +89,25 @@ TEST(MadeTiles, OneThatFailsIsNamedAndTheRestGoesOn) {
     drawn(*tiles, 1.0);
     ASSERT_EQ(tiles->failures().size(), 1u);
     EXPECT_EQ(tiles->failures().front().error.message(), "made bad: cannot be made");
+}
+
+// What a maker makes is held against what mesh.h promises, as what is read.
+TEST(MadeTiles, OneThatIsNoTileIsNamed) {
+    class Broken : public Maker {
+      public:
+        Result<TileContent> make(const std::string& path,
+                                 const DecodeOptions& options) const override {
+            Result<TileContent> content = Maker::make(path, options);
+            if (content)
+                content->meshes[0].indices[1] = 3;
+            return content;
+        }
+    };
+    const auto tiles = tileset(std::make_shared<Broken>());
+    drawn(*tiles, 100.0);
+    ASSERT_FALSE(tiles->failures().empty());
+    EXPECT_NE(tiles->failures().front().error.message().find("index 3 of 3 vertices"),
+              std::string::npos);
 }
 
 TEST(MadeTiles, WithoutAnyThereIsNoTileset) {

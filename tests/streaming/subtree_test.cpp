@@ -163,22 +163,6 @@ TEST(Subtree, GoesOnInChildSubtreesUpToTheAvailableLevels) {
     EXPECT_TRUE(attach(*tree, last, all)) << "a subtree is attached once";
 }
 
-TEST(Subtree, RefusesBombsBeforeAllocating) {
-    const auto deep = parse(implicitTileset("QUADTREE", 30, 30, kUnitBox));
-    ASSERT_FALSE(deep);
-    EXPECT_NE(deep.error().reason.find("subtreeLevels 30"), std::string::npos);
-    EXPECT_FALSE(parse(implicitTileset("OCTREE", 2'000'000'000, 30, kUnitBox)));
-    EXPECT_FALSE(parse(implicitTileset("QUADTREE", -1, 30, kUnitBox)));
-    EXPECT_FALSE(parse(implicitTileset("QUADTREE", 0, 30, kUnitBox)));
-
-    auto wide = parse(implicitTileset("QUADTREE", 12, 24, kUnitBox));
-    ASSERT_TRUE(wide);
-    const Failure failure = attach(*wide, 0, bytesOf(R"({"tileAvailability":{"constant":1},
-        "contentAvailability":[{"constant":1}],"childSubtreeAvailability":{"constant":1}})"));
-    ASSERT_TRUE(failure);
-    EXPECT_EQ(wide->size(), 1u);
-}
-
 TEST(Subtree, RefusesImplicitTilingOfASphereOrAnUnknownScheme) {
     EXPECT_FALSE(
         parse(implicitTileset("QUADTREE", 2, 2, R"("boundingVolume":{"sphere":[0,0,0,1]})")));

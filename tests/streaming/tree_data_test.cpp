@@ -147,53 +147,5 @@ TEST(SampleTiles, SparseImplicitTilingsHaveTheirContents) {
     }
 }
 
-TEST(HostileTilesets, NoneCrashesAndEachErrorIsOneLine) {
-    NEEDS_DATA("invalid-3dtiles-validator");
-    std::size_t files = 0, refused = 0;
-    for (const fs::path& top : {folder, dataFolder() / "invalid-cesium-native"}) {
-        if (!fs::exists(top))
-            continue;
-        for (const auto& entry : fs::recursive_directory_iterator(top)) {
-            if (entry.path().extension() != ".json")
-                continue;
-            const fs::path parent = entry.path().parent_path();
-            auto opened = StreamedTileset::open(fileSource(parent.string()),
-                                                entry.path().filename().string(), {}, {});
-            ++files;
-            std::vector<Error> errors;
-            if (opened)
-                for (const FailedTile& failed : takeInventory(**opened, {}).failures)
-                    errors.push_back(failed.error);
-            else
-                errors.push_back(opened.error());
-            refused += !opened;
-            for (const Error& error : errors) {
-                EXPECT_FALSE(error.reason.empty());
-                EXPECT_EQ(error.message().find('\n'), std::string::npos) << error.message();
-            }
-        }
-    }
-    EXPECT_GT(files, 200u);
-    EXPECT_GT(refused, 20u);
-}
-
-TEST(HostileSubtrees, EveryByteFlippedIsReadOrRefused) {
-    NEEDS_DATA("tiles-delaware-implicit");
-    const auto file = fileSource(folder.string())->read("subtrees/0_0_0.subtree");
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(parseSubtree(*file, "s", Subdivision::Quadtree, 3, {}));
-    for (std::size_t i = 0; i < file->size(); ++i)
-        for (const unsigned mask : {0x01u, 0x80u, 0xffu}) {
-            Bytes hostile = *file;
-            hostile[i] ^= std::byte(mask);
-            auto tree = TileTree::parse(*fileSource(folder.string())->read("tileset.json"),
-                                        "tileset.json", {});
-            ASSERT_TRUE(tree);
-            const auto subtree = parseSubtree(hostile, "s", Subdivision::Quadtree, 3, {});
-            if (subtree)
-                (void)tree->attachSubtree(0, *subtree);
-        }
-}
-
 } // namespace
 } // namespace gnomon

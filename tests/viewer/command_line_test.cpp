@@ -33,8 +33,8 @@ TEST(CommandLine, WrongUsageIsCodeTwo) {
     for (const char* arguments :
          {"", "fly", "evaluate", "evaluate x --scene l-shape", "capture a",
           "capture a -o x.png --foo", "capture a -o x.gif", "capture a -o x.png --camera 1,2,3",
-          "capture a -o x.png --frames 0-3", "capture a -o x.mp4", "info",
-          "info http://example.org/tileset.json"}) {
+          "capture a -o x.png --frames 0-3", "capture a -o x.mp4", "info", "info x --offline",
+          "info x --header 'no colon'", "info http://"}) {
         const Ran ran = run(arguments);
         EXPECT_EQ(ran.code, 2) << arguments << ": " << ran.err;
         EXPECT_TRUE(ran.err.starts_with("error: ")) << ran.err;

@@ -74,9 +74,6 @@ TEST(Input, OtherKindsAreRefusedByName) {
         {"\0\0\x27\x0a"s, "cannot be read as features"},
         {"\x89PNG\r\n\x1a\n"s, "PNG"},
         {"\x1f\x8b\x08"s, "gzip"},
-        {"i3dm", "i3dm"},
-        {"cmpt", "cmpt"},
-        {"pnts", "pnts"},
         {R"({"type":"FeatureCollection","features":[]})", "no feature with a shape"},
         {R"({"type":"Topology","objects":{}})", "TopoJSON"},
         {R"({"keyframes":[]})", "--camera"},
@@ -95,6 +92,12 @@ TEST(Input, OtherKindsAreRefusedByName) {
     }
     EXPECT_EQ(identifyInput(folder / "none").error().kind, ErrorKind::Input);
     EXPECT_EQ(identifyInput("https://example.org/tileset.json").error().kind, ErrorKind::Usage);
+}
+
+TEST(Input, EveryFormatOfATileIsAModel) {
+    const test::Folder folder;
+    for (const char* magic : {"glTF", "b3dm", "i3dm", "cmpt", "pnts"})
+        EXPECT_EQ(kindOf(folder.write("file", magic)), "model") << magic;
 }
 
 TEST(Input, AKindMayBeInsistedOn) {

@@ -39,7 +39,7 @@ TEST(Options, DefaultsAreThoseOfTheContract) {
     EXPECT_EQ(options.picture.frame.maximumScreenSpaceError, 8.0);
     EXPECT_EQ(options.picture.timeoutSeconds, 60.0);
     EXPECT_EQ(options.framesPerSecond, 30.0);
-    EXPECT_EQ(options.picture.scene.loader.memoryBytes, std::size_t(1024) << 19);
+    EXPECT_EQ(options.picture.scene.loader.memoryBytes, std::size_t(1024) << 20);
     EXPECT_TRUE(options.picture.frame.groundAuto);
     EXPECT_EQ(options.picture.frame.shadows.method, ShadowMethod::Cascades);
     EXPECT_EQ(options.picture.frame.shadows.filter, ShadowFilter::Pcss);
@@ -199,6 +199,26 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"--frames", "a"}, Wrong{"--fps", "0"}, Wrong{"--aov", "sun,foo"},
                     Wrong{"--place", "1,2"}, Wrong{"--up", "x"}, Wrong{"--heights", "geoid"},
                     Wrong{"--crs", ""}, Wrong{"--device", "gpu"}));
+
+TEST(Options, OfTheWebAreKeptAsTheyAreGiven) {
+    const CaptureOptions options =
+        captured({"--header", "X-Key: 1", "--header", "Authorization: Bearer a,b c", "--cache", "d",
+                  "--offline", "--allow-host", "a.lan", "--allow-host", "10.0.0.1"});
+    const HttpOptions& http = options.picture.scene.http;
+    EXPECT_EQ(http.headers, (std::vector<std::string>{"X-Key: 1", "Authorization: Bearer a,b c"}));
+    EXPECT_EQ(http.cacheFolder, "d");
+    EXPECT_TRUE(http.offline);
+    EXPECT_EQ(http.allowedHosts, (std::vector<std::string>{"a.lan", "10.0.0.1"}));
+    EXPECT_FALSE(captured({}).picture.scene.http.cacheFolder) << "nothing is kept unasked";
+    for (const char* wrong : {"nothing", "A b: c", "Range: bytes=0-1", "A: b\nC: d"}) {
+        const Error error = refused({"--header", wrong});
+        EXPECT_EQ(error.subject, "--header");
+        EXPECT_EQ(error.message().find(wrong), std::string::npos) << "it may be a key";
+    }
+    EXPECT_EQ(refused({"--cache", ""}).subject, "--cache");
+    for (const char* command : {"view", "info", "evaluate"})
+        EXPECT_TRUE(parse({command, "in", "--header", "X-Key: 1"})) << command;
+}
 
 TEST(Options, WhatIsNotThereIsRefusedAndNotSwallowed) {
     for (const char* option : {"--offline", "--cache", "--header", "--shadow-error", "--foo"}) {

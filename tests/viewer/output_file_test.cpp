@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
+
+#include <sys/resource.h>
+
 using namespace gnomon;
 
 TEST(OutputFile, ReplacesAFileAndLeavesNothingElse) {
@@ -45,4 +49,49 @@ TEST(OutputFile, NamesWithLineBreaksAreNames) {
     const test::Folder folder;
     EXPECT_FALSE(writeFile(folder / "a\nb.txt", std::string("x")));
     EXPECT_EQ(test::contentsOf(folder / "a\nb.txt"), "x");
+}
+
+TEST(OutputFile, WhatKilledWritersLeftIsTakenAwayAndNothingElse) {
+    const test::Folder folder;
+    folder.write(".a.png.4711.part", "half");
+    folder.write(".b.png.4711.part", "another's");
+    folder.write(".a.png.part", "no process");
+    folder.write("a.png.4711.part", "not hidden");
+    folder.write("a.png", "whole");
+    const auto alive = TemporaryFile::create(folder / "c.png");
+    ASSERT_TRUE(bool(alive));
+    removeAbandoned({folder / "a.png", folder / "c.png", folder / "none/d.png"});
+    EXPECT_FALSE(std::filesystem::exists(folder / ".a.png.4711.part"));
+    EXPECT_TRUE(std::filesystem::exists(alive->name()));
+    EXPECT_EQ(folder.files(), 5u);
+}
+
+TEST(OutputFile, ATemporaryFileThatIsNotFinishedIsGone) {
+    const test::Folder folder;
+    {
+        auto file = TemporaryFile::create(folder / "a.txt");
+        ASSERT_TRUE(bool(file));
+        EXPECT_FALSE(file->write(std::as_bytes(std::span("abc", 3))));
+        EXPECT_EQ(folder.files(), 1u);
+    }
+    EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(OutputFile, ADiskThatIsFullLeavesTheOldFileAsItWas) {
+    // A file size limit fails a write midway, as a disk does that fills up.
+    const test::Folder folder;
+    folder.write("a.bin", "old");
+    struct rlimit before {};
+    ::getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    struct rlimit small = before;
+    small.rlim_cur = 1000;
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    const Failure failure = writeFile(folder / "a.bin", std::string(5000, 'x'));
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    ASSERT_TRUE(failure);
+    EXPECT_EQ(failure->kind, ErrorKind::Output);
+    EXPECT_EQ(test::contentsOf(folder / "a.bin"), "old");
+    EXPECT_EQ(folder.files(), 1u);
 }

@@ -1,4 +1,6 @@
+#include "streaming/terrain/ground_heights.h"
 #include "tests/viewer/files.h"
+#include "viewer/capture_plan.h"
 #include "viewer/frame_report.h"
 #include "viewer/shot.h"
 
@@ -50,6 +52,48 @@ TEST(Shot, TheSunIsTheKeyframesThenTheCommandLinesThenTheScenes) {
     options.fixedSun = SunAngles{100, 30};
     EXPECT_EQ(formatUtc(*firstShot(options, scene).time), "2021-06-21T15:00:00Z");
     EXPECT_NEAR(firstShot(options, scene).sun.elevationDegrees, 30, 1e-9);
+}
+
+TEST(Shot, ATourAboveTheGroundStandsOnTheScenesTerrainElseOnItsBase) {
+    const test::Folder folder;
+    PictureOptions options;
+    options.camera = CameraFile{folder.write(
+        "t.kml", R"(<kml xmlns:gx="http://www.google.com/kml/ext/2.2"><gx:Tour><gx:Playlist>
+        <gx:FlyTo><Camera><longitude>6.96</longitude><latitude>50.94</latitude>
+        <altitude>10</altitude><altitudeMode>relativeToGround</altitudeMode></Camera></gx:FlyTo>
+        </gx:Playlist></gx:Tour></kml>)")};
+    const auto height = [&](const Scene& scene) {
+        return geodeticOf(firstShot(options, scene).camera.position).heightMetres;
+    };
+    Scene scene = cologne();
+    EXPECT_NEAR(height(scene), 60, 1e-6);
+    scene.groundHeights = flatGround(100);
+    EXPECT_NEAR(height(scene), 110, 1e-6);
+}
+
+TEST(Shot, ATourIsAsLongAsItsStepsUnlessFramesOrDurationSayOtherwise) {
+    const test::Folder folder;
+    CaptureOptions options;
+    const std::string view = "<Camera><longitude>6.96</longitude><latitude>50.94</latitude>"
+                             "<altitudeMode>absolute</altitudeMode></Camera>";
+    options.picture.camera = CameraFile{folder.write(
+        "t.kml", R"(<kml xmlns:gx="http://www.google.com/kml/ext/2.2"><gx:Tour><gx:Playlist>
+        <gx:FlyTo>)" +
+                     view + R"(</gx:FlyTo><gx:Wait><gx:duration>0.5</gx:duration></gx:Wait>
+        <gx:FlyTo><gx:duration>1.5</gx:duration>)" +
+                     view + R"(</gx:FlyTo>
+        </gx:Playlist></gx:Tour></kml>)")};
+    options.framesPerSecond = 10;
+    const double seconds = Shots::create(options.picture)->lengthSeconds();
+    EXPECT_EQ(seconds, 2.0);
+    const auto frames = [&] {
+        return planFrames(options, *OutputName::parse("f{frame}.png"), seconds)->size();
+    };
+    EXPECT_EQ(frames(), 20u);
+    options.durationSeconds = 1.0;
+    EXPECT_EQ(frames(), 10u);
+    options.frames = FrameRange{0, 9, 3};
+    EXPECT_EQ(frames(), 4u);
 }
 
 TEST(Shot, TheCommandLinesCameraWinsOverTheScenes) {

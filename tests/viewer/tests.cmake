@@ -1,4 +1,4 @@
-set(viewer_tests options_test camera_path_test scene_file_test scene_test input_test output_name_test
+set(viewer_tests options_test camera_path_test kml_tour_test scene_file_test scene_test input_test output_name_test
   image_file_test output_file_test video_file_test progress_test shot_test command_line_test
   capture_gl_test lamps_file_test terrain_scene_test)
 foreach(name ${viewer_tests})

@@ -1,5 +1,5 @@
 // Files that are cut off or changed: an error in one line or a result, never a crash.
-#include "mesh_flood_support.h"
+#include "tests/streaming/mesh_flood_support.h"
 
 #include <random>
 

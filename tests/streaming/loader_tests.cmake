@@ -1,0 +1,5 @@
+foreach(name memory_ledger load_queue loader_faults prefetch teleport)
+  if(EXISTS ${CMAKE_CURRENT_LIST_DIR}/${name}_test.cpp)
+    gnomon_test(streaming/${name}_test gnomon::streaming)
+  endif()
+endforeach()
