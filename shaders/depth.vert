@@ -10,7 +10,7 @@ layout(location = 0) uniform vec3 rowX; // light axes over the texel size; over 
 layout(location = 1) uniform vec3 rowY;
 layout(location = 2) uniform vec3 rowZ;
 layout(location = 3) uniform vec3 offset;
-layout(location = 4) uniform float ndcPerTexel; // 2 / N
+layout(location = 4) uniform vec2 ndcPerTexel; // 2 / texels across, up
 
 out vec2 fragUv;
 invariant gl_Position;

@@ -76,18 +76,20 @@ GNOMON_BLOCK(SunBlock, BLOCK_SUN) {
     vec4 selection; // view depth = dot(xyz, p) + w, of the camera that cascades fit
     vec4 eye;  // xyz: that camera, relative to the surface's camera; w: metres from the latter to
                // the sunward end of all casters, along the light
-    vec4 fade; // x: range metres, y: fade metres, z: cascades, w: texels N
-    vec4 filter_; // x: box width in texels, z: blocker samples, w: filter samples
-    vec4 reach;   // metres to the highest caster along a sun ray:
-                  // dot(xyz, p) + w
-    vec4 axisX;   // light axes along the meshes' (unit)
+    vec4 fade; // x: range metres, y: fade metres, z: cascades
+    vec4 mapTexels; // x: across, y: up; z: how far off a quad's plane terrain lies, in texels of a
+                    // neighbouring face
+    vec4 filter_;   // x: box width in texels, z: blocker samples, w: filter samples
+    vec4 reach;     // metres to the highest caster along a sun ray:
+                    // dot(xyz, p) + w
+    vec4 axisX;     // light axes along the meshes' (unit)
     vec4 axisY;
     vec4 axisZ;
     vec4 cascadeOffset[MAX_CASCADES]; // xyz: lattice x, y (texels) and depth (metres above far) of
                                       // the surface camera; w: texel metres
     vec4 cascadeSplit[MAX_CASCADES];  // x: near, y: far, z: blend starts, w: depth range metres
-    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo N, z: rounding of the map, w:
-                                      // bias, metres
+    vec4 cascadeOrigin[MAX_CASCADES]; // xy: window corner modulo mapTexels, z: rounding of the
+                                      // map, w: bias, metres
 };
 
 // One lamp and its maps; its frame is shadows/paraboloid.h's.
@@ -143,7 +145,7 @@ GNOMON_BLOCK(WaterBlock, BLOCK_WATER) {
 #ifdef __cplusplus
 #undef GNOMON_BLOCK
 static_assert(sizeof(ViewBlock) == 112);
-static_assert(sizeof(SunBlock) == 16 * (9 + 3 * MAX_CASCADES));
+static_assert(sizeof(SunBlock) == 16 * (10 + 3 * MAX_CASCADES));
 static_assert(sizeof(ProjectiveBlock) == 16 * (3 + 6 * MAX_PROJECTIVE));
 static_assert(sizeof(LookBlock) == 160);
 static_assert(sizeof(LampBlock) == 112);

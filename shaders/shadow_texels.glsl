@@ -11,12 +11,12 @@ const mat2 GOLDEN_TURN = mat2(-0.737368878, 0.675490294, -0.675490294, -0.737368
 // Across such an edge a face rises over the receiver's plane by (tan a + tan b) for each unit sideways,
 // a and b the angles between the light and the two normals. A texel that stands no higher than that says
 // nothing: it may be the neighbouring face or a blocker that touches; tan b is taken as this (63°).
-// Where its 2×2 quad is a plane, that plane tells: continued to the receiver, the neighbouring face passes
-// below it and a blocker above.
+// Where its 2×2 quad is a plane, that plane tells too: continued to the receiver, the neighbouring face
+// passes below it and a blocker above.
 const float NEIGHBOUR_SLOPE = 2.0;
 
-// Which of four texels are blockers for sure: the quad's plane passes above the receiver, or, where it is
-// none, the texel's `gap` over the receiver's plane is more than its neighbouring face may have. dx and dy
+// Which of four texels are blockers for sure: the quad's plane passes above the receiver, or the texel's
+// `gap` over the receiver's plane is more than its neighbouring face may have. dx and dy
 // are from the receiver, `gradient` its plane's, `before` what stands before it.
 bvec4 standsClear(bvec4 before, vec4 depth, vec4 gap, vec4 neighbour, vec2 gradient, vec4 dx, vec4 dy,
                   float tolerance, float leastDoubt) {
@@ -28,7 +28,8 @@ bvec4 standsClear(bvec4 before, vec4 depth, vec4 gap, vec4 neighbour, vec2 gradi
     // a fiftieth of a texel for what rounding was not thought of.
     float doubt = 2.0 * tolerance * (abs(dx.x) + abs(dy.x)) + leastDoubt;
     bool above = planar && gap.x - tilt.x * dx.x - tilt.y * dy.x > doubt;
-    return planar ? bvec4(above) : greaterThan(gap, neighbour);
+    bvec4 clear = greaterThan(gap, neighbour);
+    return above ? bvec4(true) : clear;
 }
 
 vec4 lit(vec4 gap) { return vec4(lessThanEqual(gap, vec4(0.0))); }

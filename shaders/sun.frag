@@ -80,8 +80,8 @@ Receiver biased(Receiver r, float radius) {
 // (0,1), (1,1), (1,0), (0,0) of textureGather. Asked for at the corner they share, where rounding in
 // the sampler cannot choose others.
 vec4 gatherDepth(int cascade, vec2 corner, out vec2 base) {
-    base = clamp(corner, vec2(0.0), vec2(fade.w - 2.0));
-    vec2 uv = (base + 1.0 + cascadeOrigin[cascade].xy) / fade.w;
+    base = clamp(corner, vec2(0.0), mapTexels.xy - 2.0);
+    vec2 uv = (base + 1.0 + cascadeOrigin[cascade].xy) / mapTexels.xy;
     return textureGather(cascadeMaps, vec3(uv, float(cascade))) * cascadeSplit[cascade].w;
 }
 
@@ -102,7 +102,7 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
     vec4 neighbour = r.toleranceSlope * sideways;
     bvec4 before = greaterThan(gap, vec4(0.0));
     bvec4 clear = standsClear(before, depth, gap, neighbour, r.gradient, dx, dy, r.tolerance,
-                              0.02 * cascadeOffset[r.cascade].w);
+                              mapTexels.z * r.toleranceSlope + 0.02 * cascadeOffset[r.cascade].w);
     // A steep plane soon rises over what hangs above the receiver: such a texel, on neither, says next to
     // nothing (a thousandth), or the side of a beam would be lit below a roof that lies on it. Alone it is
     // believed. On neither: off the plane by more than rounding and what the facets of a round body are
@@ -120,7 +120,7 @@ vec4 gaps(Receiver r, vec2 corner, out vec4 dx, out vec4 dy, out vec4 says) {
 float nearest(Receiver r, vec2 cell, out float says) {
 #ifdef ONE_BIAS
     says = 1.0;
-    vec2 uv = (clamp(cell, vec2(0.0), vec2(fade.w - 1.0)) + 0.5 + cascadeOrigin[r.cascade].xy) / fade.w;
+    vec2 uv = (clamp(cell, vec2(0.0), mapTexels.xy - 1.0) + 0.5 + cascadeOrigin[r.cascade].xy) / mapTexels.xy;
     float depth = textureLod(cascadeMaps, vec3(uv, float(r.cascade)), 0.0).r * cascadeSplit[r.cascade].w;
     return float(depth <= r.depth + r.bias);
 #else
@@ -137,7 +137,7 @@ float nearest(Receiver r, vec2 cell, out float says) {
 // Sixteen nearest texels, one somewhere in each cell of a 4×4 grid of texels about the receiver. Where is
 // decided by the lattice cell that the receiver is in, so that the pattern stays when the camera moves.
 float jittered(Receiver r) {
-    uvec2 cell = uvec2(mod(floor(r.lattice) + cascadeOrigin[r.cascade].xy, fade.w));
+    uvec2 cell = uvec2(mod(floor(r.lattice) + cascadeOrigin[r.cascade].xy, mapTexels.xy));
     uint seed = cell.x * 0x9E3779B1u ^ cell.y * 0x85EBCA77u;
     float sum = 0.0, total = 0.0;
     for (int i = 0; i < 16; ++i) {
@@ -392,7 +392,7 @@ float cascadeVisibility(int cascade, vec3 position, vec3 normal, float distance)
     r.toleranceSlope = texel * (NEIGHBOUR_SLOPE + sqrt(steep2) + 6e-5 * (1.0 + steep2));
 #endif
     r.tolerance = cascadeOrigin[cascade].z + distance * (1e-6 + 2.4e-7 * sqrt(steep2)) +
-                  sqrt(steep2) * texel * fade.w * 2.4e-7;
+                  sqrt(steep2) * texel * max(mapTexels.x, mapTexels.y) * 2.4e-7;
     r.reach = clamp(dot(reach.xyz, position) + reach.w, 0.0, max(eye.w - p.z, 0.0));
 
 #if defined(FILTER_NONE)

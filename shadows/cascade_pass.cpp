@@ -21,7 +21,7 @@ void setRows(const CascadeSet& set, const Cascade& cascade) {
     setUniform(0, rows[0] / cascade.texelMetres);
     setUniform(1, rows[1] / cascade.texelMetres);
     setUniform(2, rows[2] / cascade.depthRangeMetres);
-    glUniform1f(4, 2.0f / float(set.mapSize));
+    glUniform2f(4, 2.0f / float(set.mapSize.x), 2.0f / float(set.mapSize.y));
 }
 
 // Half the way between two stored depths is never more than a half.
@@ -73,7 +73,7 @@ CascadePass::CascadePass()
     : nearest_{{"depth.vert", "depth.frag"}, {"depth.vert", "depth_alpha.frag"}} {}
 
 std::size_t CascadePass::bytes() const {
-    return std::size_t(mapSize_) * std::size_t(mapSize_) * targets_.size() * sizeof(float) +
+    return std::size_t(mapSize_.x) * std::size_t(mapSize_.y) * targets_.size() * sizeof(float) +
            layers_.bytes();
 }
 
@@ -81,7 +81,7 @@ int CascadePass::marksPerMap(const ShadowSettings& settings) {
     return settings.bias == ShadowBias::DualAtomic ? 2 : 1;
 }
 
-void CascadePass::resize(int mapSize, int count, ShadowBias bias) {
+void CascadePass::resize(glm::ivec2 mapSize, int count, ShadowBias bias) {
     if (mapSize == mapSize_ && count == int(targets_.size()) && bias == bias_)
         return;
     mapSize_ = mapSize;
@@ -89,8 +89,8 @@ void CascadePass::resize(int mapSize, int count, ShadowBias bias) {
     targets_.clear();
     maps_ = render::Texture(); // freed before the next is made
     layers_.prepare(bias, mapSize);
-    maps_ = render::makeTargetArray(hasTwoLayers(bias) ? GL_R32F : GL_DEPTH_COMPONENT32F, mapSize,
-                                    mapSize, count);
+    maps_ = render::makeTargetArray(hasTwoLayers(bias) ? GL_R32F : GL_DEPTH_COMPONENT32F, mapSize.x,
+                                    mapSize.y, count);
     glTextureParameteri(maps_.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTextureParameteri(maps_.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
     for (int i = 0; i < count; ++i)
@@ -123,7 +123,7 @@ std::vector<DrawnCasters> CascadePass::draw(const CascadeSet& set, const ShadowS
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     glEnable(GL_DEPTH_CLAMP); // what stands nearer to the sun than the range still casts
-    glViewport(0, 0, set.mapSize, set.mapSize);
+    glViewport(0, 0, set.mapSize.x, set.mapSize.y);
     std::vector<DrawnCasters> drawn;
     for (std::size_t i = 0; i < set.cascades.size(); ++i) {
         const Cascade& cascade = set.cascades[i];
@@ -201,8 +201,8 @@ void CascadePass::drawPage(Map& map, const CascadePage& page,
 }
 
 std::vector<float> CascadePass::read(int cascade) const {
-    std::vector<float> texels(std::size_t(mapSize_) * std::size_t(mapSize_));
-    glGetTextureSubImage(maps_.id(), 0, 0, 0, cascade, mapSize_, mapSize_, 1,
+    std::vector<float> texels(std::size_t(mapSize_.x) * std::size_t(mapSize_.y));
+    glGetTextureSubImage(maps_.id(), 0, 0, 0, cascade, mapSize_.x, mapSize_.y, 1,
                          hasTwoLayers(bias_) ? GL_RED : GL_DEPTH_COMPONENT, GL_FLOAT,
                          int(texels.size() * sizeof(float)), texels.data());
     return texels;

@@ -44,7 +44,7 @@ class CascadePass {
         float layerOffset; // stored depth
         DrawnCasters drawn;
     };
-    void resize(int mapSize, int count, ShadowBias bias);
+    void resize(glm::ivec2 mapSize, int count, ShadowBias bias);
     render::Framebuffer target(int cascade) const;
     void drawLayers(Map& map, render::GpuTimer& timer);
     void drawPages(Map& map, const CasterPrograms& programs, bool overlapsOnly = false) const;
@@ -54,7 +54,7 @@ class CascadePass {
     DualLayers layers_;
     render::Texture maps_;
     std::vector<render::Framebuffer> targets_;
-    int mapSize_ = 0;
+    glm::ivec2 mapSize_{0};
     ShadowBias bias_ = ShadowBias::Constant;
 };
 

@@ -22,9 +22,9 @@ std::int64_t floorDiv(std::int64_t a, std::int64_t b) {
     return a / b - ((a % b != 0 && (a < 0) != (b < 0)) ? 1 : 0);
 }
 
-// Half the window's width: what the ladder made of the sphere's radius.
-double halfWindow(const Cascade& cascade, int mapSize) {
-    return 0.5 * cascade.texelMetres * double(mapSize);
+// Half the window's longer side: what the ladder made of the sphere's radius.
+double halfWindow(const Cascade& cascade, glm::ivec2 mapSize) {
+    return 0.5 * cascade.texelMetres * double(std::max(mapSize.x, mapSize.y));
 }
 
 Cascade fitOne(const CascadeInput& input, const ShadowSettings& settings, double fitNear,
@@ -41,7 +41,7 @@ Cascade fitOne(const CascadeInput& input, const ShadowSettings& settings, double
     cascade.cornerX = std::int64_t(std::floor(light.x / cascade.texelMetres)) - half;
     cascade.cornerY = std::int64_t(std::floor(light.y / cascade.texelMetres)) - half;
     // The far plane moves in steps fixed to the anchor, below the lowest receiver of the slice.
-    const double step = halfWindow(cascade, settings.mapSize) / 4.0;
+    const double step = halfWindow(cascade, glm::ivec2(settings.mapSize)) / 4.0;
     cascade.farPlaneMetres = std::floor((light.z - sphere.radiusMetres) / step) * step;
     cascade.depthRangeMetres = light.z + sphere.radiusMetres - cascade.farPlaneMetres;
     return cascade;
@@ -72,7 +72,7 @@ CascadeSet fitCascades(const CascadeInput& input, const ShadowSettings& settings
     CascadeSet set;
     set.lightFromEcef = input.lightFromEcef;
     set.meshAxes = input.meshAxes;
-    set.mapSize = settings.mapSize;
+    set.mapSize = glm::ivec2(settings.mapSize);
     set.rangeMetres = input.rangeMetres;
     set.fadeMetres = input.fadeMetres;
     const int count = settings.method == ShadowMethod::Single ? 1 : settings.cascades;
@@ -92,11 +92,11 @@ CascadeSet fitCascades(const CascadeInput& input, const ShadowSettings& settings
     return set;
 }
 
-void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound) {
+void setDepthRange(Cascade& cascade, glm::ivec2 mapSize, const CasterBound& bound) {
     const double half = halfWindow(cascade, mapSize);
     // The lowest point of the slice's receivers, from the window's centre on the far plane.
-    const glm::dvec3 centre((double(cascade.cornerX) + mapSize / 2) * cascade.texelMetres,
-                            (double(cascade.cornerY) + mapSize / 2) * cascade.texelMetres,
+    const glm::dvec3 centre((double(cascade.cornerX) + mapSize.x / 2) * cascade.texelMetres,
+                            (double(cascade.cornerY) + mapSize.y / 2) * cascade.texelMetres,
                             cascade.farPlaneMetres + half);
     const Transform<Enu, Light> anchorFromLight = rigidInverse(bound.lightFromAnchor);
     const double lowest = anchorFromLight(Point<Light>{centre}).xyz.z - 2.0 * half;
@@ -125,7 +125,7 @@ View casterView(const CascadeSet& set, const Cascade& cascade) {
     const double t = cascade.texelMetres;
     const glm::dvec3 low(double(cascade.cornerX) * t, double(cascade.cornerY) * t,
                          cascade.farPlaneMetres);
-    const glm::dvec3 high(low.x + t * set.mapSize, low.y + t * set.mapSize, low.z);
+    const glm::dvec3 high(low.x + t * set.mapSize.x, low.y + t * set.mapSize.y, low.z);
     const Point<Ecef> lowEcef = ecefFromLight(Point<Light>{low});
     const Point<Ecef> highEcef = ecefFromLight(Point<Light>{high});
     const Vector<Ecef> x = ecefFromLight(Vector<Light>{{1, 0, 0}});
@@ -140,25 +140,25 @@ View casterView(const CascadeSet& set, const Cascade& cascade) {
     // sun's disc from there: a pixel may be this share of it.
     view.pixelGrowth =
         kPixelOfPenumbra * 2.0 * std::tan(0.5 * kSunDiameterDegrees * kRadiansPerDegree);
-    view.growthFromMetres = t * set.mapSize;
+    view.growthFromMetres = t * std::max(set.mapSize.x, set.mapSize.y);
     return view;
 }
 
-CascadePages pagesOf(const Cascade& cascade, int mapSize) {
-    const std::int64_t n = mapSize;
+CascadePages pagesOf(const Cascade& cascade, glm::ivec2 mapSize) {
+    const std::int64_t m = mapSize.x, n = mapSize.y;
     CascadePages out;
-    const std::int64_t x0 = floorDiv(cascade.cornerX, n), x1 = floorDiv(cascade.cornerX + n - 1, n);
+    const std::int64_t x0 = floorDiv(cascade.cornerX, m), x1 = floorDiv(cascade.cornerX + m - 1, m);
     const std::int64_t y0 = floorDiv(cascade.cornerY, n), y1 = floorDiv(cascade.cornerY + n - 1, n);
     for (std::int64_t py = y0; py <= y1; ++py)
         for (std::int64_t px = x0; px <= x1; ++px) {
             CascadePage page;
-            page.originX = px * n;
+            page.originX = px * m;
             page.originY = py * n;
             const std::int64_t left = std::max(cascade.cornerX, page.originX);
             const std::int64_t bottom = std::max(cascade.cornerY, page.originY);
             page.x = int(left - page.originX);
             page.y = int(bottom - page.originY);
-            page.width = int(std::min(cascade.cornerX + n, page.originX + n) - left);
+            page.width = int(std::min(cascade.cornerX + m, page.originX + m) - left);
             page.height = int(std::min(cascade.cornerY + n, page.originY + n) - bottom);
             out.pages[std::size_t(out.count++)] = page;
         }

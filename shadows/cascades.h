@@ -2,8 +2,8 @@
 // into.
 //
 // A cascade's texels are cells of a fixed lattice on the light's plane: cell (i, j) covers light x
-// from i·t to (i+1)·t, counted from the scene's anchor. The map is a window of N × N cells; cell
-// (i, j) is kept at texel (i mod N, j mod N), so that a camera that moves only uncovers strips of
+// from i·t to (i+1)·t, counted from the scene's anchor. The map is a window of M × N cells; cell
+// (i, j) is kept at texel (i mod M, j mod N), so that a camera that moves only uncovers strips of
 // new cells and the others stay the same bytes. The texel size t comes from a ladder, so that it
 // seldom changes. After Niedermayer; stable fit after Valient, "Stable rendering of cascaded shadow
 // maps", 2008, with the minimal sphere of a frustum slice.
@@ -52,7 +52,7 @@ struct CascadePage {
 struct CascadeSet {
     Transform<Light, Ecef> lightFromEcef;
     glm::dmat3 meshAxes{1.0}; // those the casters' meshes are stored along (columns, in ECEF)
-    int mapSize = 0;
+    glm::ivec2 mapSize{0};    // texels across and up; a tight fit may trade one for the other
     std::vector<Cascade> cascades;
     double rangeMetres = 0.0; // distance from the eye at which shadows have faded
     double fadeMetres = 0.0;
@@ -86,7 +86,7 @@ struct CasterBound {
 // row r: metres = dot(r, (p, 1)) of a p relative to `from`, along the meshes' axes.
 glm::dvec4 casterReach(const CasterBound& bound, const Transform<Light, Ecef>& lightFromEcef,
                        const glm::dmat3& meshAxes, Point<Ecef> from);
-void setDepthRange(Cascade& cascade, int mapSize, const CasterBound& bound);
+void setDepthRange(Cascade& cascade, glm::ivec2 mapSize, const CasterBound& bound);
 
 // The casters a cascade wants, as a view for selection: its window, open towards the sun.
 View casterView(const CascadeSet& set, const Cascade& cascade);
@@ -96,7 +96,7 @@ struct CascadePages {
     std::array<CascadePage, 4> pages;
     int count = 0;
 };
-CascadePages pagesOf(const Cascade& cascade, int mapSize);
+CascadePages pagesOf(const Cascade& cascade, glm::ivec2 mapSize);
 
 // Lattice coordinates of a point, counted from the window's corner (x, y: texels) and its height
 // above the far plane in metres (z). The one place where the big numbers cancel, in double.

@@ -21,7 +21,7 @@ void clearToZero(const render::Texture& texture) {
 
 } // namespace
 
-void DualLayers::prepare(ShadowBias bias, int mapSize) {
+void DualLayers::prepare(ShadowBias bias, glm::ivec2 mapSize) {
     if (bias == bias_ && mapSize == mapSize_)
         return;
     *this = DualLayers();
@@ -32,14 +32,14 @@ void DualLayers::prepare(ShadowBias bias, int mapSize) {
 }
 
 void DualLayers::preparePeeling() {
-    first_ = render::makeTarget(GL_DEPTH_COMPONENT32F, mapSize_, mapSize_);
+    first_ = render::makeTarget(GL_DEPTH_COMPONENT32F, mapSize_.x, mapSize_.y);
     firstPrograms_ = casterPrograms("FIRST_LAYER");
     secondPrograms_ = casterPrograms("SECOND_LAYER");
 }
 
 void DualLayers::prepareAtomics() {
-    first_ = render::makeTarget(GL_R32UI, mapSize_, mapSize_);
-    second_ = render::makeTarget(GL_R32UI, mapSize_, mapSize_);
+    first_ = render::makeTarget(GL_R32UI, mapSize_.x, mapSize_.y);
+    second_ = render::makeTarget(GL_R32UI, mapSize_.x, mapSize_.y);
     firstPrograms_ = casterPrograms("BOTH_LAYERS");
     resolve_ = render::Program("fullscreen.vert", "dual_layers.frag");
     unsigned id = 0;
@@ -94,7 +94,7 @@ void DualLayers::setOffset(float offset) const {
 }
 
 std::size_t DualLayers::bytes() const {
-    const std::size_t each = std::size_t(mapSize_) * std::size_t(mapSize_) * sizeof(float);
+    const std::size_t each = std::size_t(mapSize_.x) * std::size_t(mapSize_.y) * sizeof(float);
     return (first_ ? each : 0) + (second_ ? each : 0);
 }
 

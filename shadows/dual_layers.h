@@ -12,6 +12,8 @@
 #include "render/program.h"
 #include "shadows/settings.h"
 
+#include <glm/vec2.hpp>
+
 #include <cstddef>
 
 namespace gnomon {
@@ -24,7 +26,7 @@ struct CasterPrograms {
 class DualLayers {
   public:
     // Makes what the bias needs and frees what it does not: nothing for one layer.
-    void prepare(ShadowBias bias, int mapSize);
+    void prepare(ShadowBias bias, glm::ivec2 mapSize);
     bool peels() const { return bias_ != ShadowBias::DualAtomic; }
     // Peeling: the depth map, to be attached behind each map.
     const render::Texture& depth() const { return first_; }
@@ -46,7 +48,7 @@ class DualLayers {
     void prepareAtomics();
 
     ShadowBias bias_ = ShadowBias::Constant;
-    int mapSize_ = 0;
+    glm::ivec2 mapSize_{0};
     render::Texture first_, second_; // a 32F depth alone when peeling, else two R32UI
     CasterPrograms firstPrograms_, secondPrograms_;
     render::Program resolve_;

@@ -33,23 +33,29 @@ glm::vec4 withW(const glm::dvec3& v, double w) {
     return glm::vec4(glm::dvec4(v, w));
 }
 
+// A quad of a map that is a plane is believed to continue to the receiver; of terrain only where it
+// stands as far over it as a neighbouring face would after so many texels.
+constexpr float kRoughTexels = 5.0f;
+
 // The depth map holds floats of [0, 1]: rounding of the vertex transform and the interpolation, a
 // few units in the last place near 1; and lattice rounding of a vertex seen through a 45° slope.
-double mapRounding(const Cascade& cascade, int mapSize) {
+double mapRounding(const Cascade& cascade, glm::ivec2 mapSize) {
     constexpr double kUlp = 1.0 / (1 << 24);
-    return 8.0 * kUlp * cascade.depthRangeMetres + 4.0 * kUlp * mapSize * cascade.texelMetres;
+    return 8.0 * kUlp * cascade.depthRangeMetres +
+           4.0 * kUlp * std::max(mapSize.x, mapSize.y) * cascade.texelMetres;
 }
 
 void setCascade(shader::SunBlock& block, std::size_t i, const Cascade& cascade,
-                const glm::dvec3& cameraInLight, int mapSize, double biasMetres) {
+                const glm::dvec3& cameraInLight, glm::ivec2 mapSize, double biasMetres) {
     const glm::dvec3 offset = windowFromLight(cascade, cameraInLight);
     block.cascadeOffset[i] = withW(offset, cascade.texelMetres);
     block.cascadeSplit[i] =
         glm::vec4(float(cascade.nearMetres), float(cascade.farMetres),
                   float(cascade.blendStartMetres), float(cascade.depthRangeMetres));
-    const auto modulo = [&](std::int64_t a) { return float(((a % mapSize) + mapSize) % mapSize); };
-    block.cascadeOrigin[i] = glm::vec4(modulo(cascade.cornerX), modulo(cascade.cornerY),
-                                       float(mapRounding(cascade, mapSize)), float(biasMetres));
+    const auto modulo = [](std::int64_t a, int n) { return float(((a % n) + n) % n); };
+    block.cascadeOrigin[i] =
+        glm::vec4(modulo(cascade.cornerX, mapSize.x), modulo(cascade.cornerY, mapSize.y),
+                  float(mapRounding(cascade, mapSize)), float(biasMetres));
 }
 
 shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& settings) {
@@ -65,8 +71,9 @@ shader::SunBlock sunBlock(const SunPassInput& input, const ShadowSettings& setti
     if (input.cascades == nullptr)
         return block;
     const CascadeSet& set = *input.cascades;
-    block.fade = glm::vec4(float(set.rangeMetres), float(set.fadeMetres),
-                           float(set.cascades.size()), float(set.mapSize));
+    block.fade =
+        glm::vec4(float(set.rangeMetres), float(set.fadeMetres), float(set.cascades.size()), 0.0f);
+    block.mapTexels = glm::vec4(glm::vec2(set.mapSize), input.rough ? kRoughTexels : 0.0f, 0.0f);
     const glm::dmat3 rows = glm::transpose(set.lightFromEcef.axes() * input.meshAxes);
     block.axisX = withW(rows[0], 0.0);
     block.axisY = withW(rows[1], 0.0);

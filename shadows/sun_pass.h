@@ -29,6 +29,8 @@ struct SunPassInput {
     glm::dmat3 meshAxes{1.0}; // as `seen` was drawn with
     // Asked before the cascades, of which there may then be none; wants `cascades` for the range.
     const ProjectivePass* projective = nullptr;
+    // There is terrain of measured heights: no facet continues the next.
+    bool rough = false;
 };
 
 // The surfaces that are asked; their textures are read while the pass draws.

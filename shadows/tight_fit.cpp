@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace gnomon {
 
@@ -19,6 +20,10 @@ constexpr int kLowestOctave = -3, kOctaves = 28;
 constexpr int kBins = kBinsPerOctave * kOctaves;
 constexpr int kDepthStepsPerOctave = 8;
 constexpr int kTightTexelStepsPerOctave = 16; // a texel is at most 4.4 % larger than it need be
+constexpr int kTurnSteps = 128; // a full turn; strips lie askew by 1.4 degrees at most
+// Sides of a map are the size asked for times and over a power of 2 up to this; and no side is
+// longer than every OpenGL 4.5 has textures.
+constexpr int kMostAspectOctaves = 2, kLongestSide = 16384;
 
 int binOf(double depthMetres) {
     const double octave = std::log2(depthMetres) - kLowestOctave;
@@ -50,20 +55,55 @@ double penumbraMetres(const Extent& extent, const CasterBound& casters, double d
     return reach * std::tan(0.5 * diameterDegrees * kRadiansPerDegree);
 }
 
-// The window around `bounds`, its far plane below all of it.
-void fitWindow(Cascade& cascade, const LightBox& bounds, int mapSize, double marginMetres) {
-    const glm::dvec3 size = bounds.max - bounds.min;
-    const double across = std::max(size.x, size.y) + 2.0 * marginMetres;
-    cascade.texelMetres =
-        ladderUp(std::max(across / double(mapSize - 2 * kBorderTexels), kMinTexelMetres),
-                 kTightTexelStepsPerOctave);
+// What a cascade's window has to hold: the surfaces, and a margin around them.
+struct Wanted {
+    LightBox bounds;
+    double marginMetres = 0.0;
+    bool any = false; // there are surfaces
+};
+
+double texelFor(const Wanted& wanted, glm::ivec2 mapSize) {
+    const glm::dvec3 size = wanted.bounds.max - wanted.bounds.min;
+    const glm::dvec2 texels = glm::dvec2(mapSize) - 2.0 * kBorderTexels;
+    const double texel = std::max((size.x + 2.0 * wanted.marginMetres) / texels.x,
+                                  (size.y + 2.0 * wanted.marginMetres) / texels.y);
+    return ladderUp(std::max(texel, kMinTexelMetres), kTightTexelStepsPerOctave);
+}
+
+// One for all cascades, as the maps are layers of one texture: that of the finest texels, by their
+// geometric mean; the squarest of equals.
+glm::ivec2 mapSizeFor(std::span<const Wanted> wanted, int squareSize) {
+    glm::ivec2 best(squareSize);
+    double least = std::numeric_limits<double>::infinity();
+    for (const int octaves : {0, 1, -1, 2, -2}) {
+        const int longer = squareSize << std::abs(octaves),
+                  shorter = squareSize >> std::abs(octaves);
+        if (longer > kLongestSide)
+            continue;
+        const glm::ivec2 size =
+            octaves > 0 ? glm::ivec2(longer, shorter) : glm::ivec2(shorter, longer);
+        double sum = 0.0;
+        for (const Wanted& window : wanted)
+            sum += window.any ? std::log2(texelFor(window, size)) : 0.0;
+        if (sum < least) {
+            least = sum;
+            best = size;
+        }
+    }
+    return best;
+}
+
+// The window around what is wanted, its far plane below all of it.
+void fitWindow(Cascade& cascade, const Wanted& wanted, glm::ivec2 mapSize) {
+    const LightBox& bounds = wanted.bounds;
+    cascade.texelMetres = texelFor(wanted, mapSize);
     const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
-    const std::int64_t half = mapSize / 2;
-    cascade.cornerX = std::int64_t(std::floor(centre.x / cascade.texelMetres)) - half;
-    cascade.cornerY = std::int64_t(std::floor(centre.y / cascade.texelMetres)) - half;
+    cascade.cornerX = std::int64_t(std::floor(centre.x / cascade.texelMetres)) - mapSize.x / 2;
+    cascade.cornerY = std::int64_t(std::floor(centre.y / cascade.texelMetres)) - mapSize.y / 2;
     // What rounding and the filter's slope may reach below the lowest receiver.
-    const double spare = 4.0 * cascade.texelMetres + marginMetres;
-    const double step = 0.125 * cascade.texelMetres * mapSize; // steps fixed to the anchor
+    const double spare = 4.0 * cascade.texelMetres + wanted.marginMetres;
+    // Steps fixed to the anchor.
+    const double step = 0.125 * cascade.texelMetres * std::max(mapSize.x, mapSize.y);
     cascade.farPlaneMetres = std::floor((bounds.min.z - spare) / step) * step;
     cascade.depthRangeMetres = bounds.max.z + spare - cascade.farPlaneMetres;
 }
@@ -111,6 +151,19 @@ SeenReceivers seenReceivers(const Camera& camera, std::span<const float> viewDep
     return seen;
 }
 
+Transform<Light, Light> turnedTowards(const Camera& camera,
+                                      const Transform<Light, Ecef>& lightFromEcef) {
+    const glm::dvec2 right(lightFromEcef(camera.right).xyz);
+    const glm::dvec2 forward(lightFromEcef(camera.forward).xyz);
+    const glm::dvec2 along = glm::length(right) > glm::length(forward) ? right : forward;
+    constexpr double kStep = 2.0 * std::numbers::pi / kTurnSteps;
+    const double angle = std::round(std::atan2(along.y, along.x) / kStep) * kStep;
+    glm::dmat4 turn(1.0);
+    turn[0] = {std::cos(angle), -std::sin(angle), 0.0, 0.0};
+    turn[1] = {std::sin(angle), std::cos(angle), 0.0, 0.0};
+    return {turn};
+}
+
 CascadeSet fitTightCascades(const CascadeInput& input, const ShadowSettings& settings,
                             const SeenReceivers& seen, const CasterBound& casters) {
     CascadeSet set = fitCascades(input, settings);
@@ -123,6 +176,7 @@ CascadeSet fitTightCascades(const CascadeInput& input, const ShadowSettings& set
     const std::size_t count = set.cascades.size();
     const std::vector<double> splits =
         practicalSplits(nearMetres, farMetres, int(count), settings.splitLambda);
+    std::vector<Wanted> wanted(count);
     double fitNear = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
         Cascade& cascade = set.cascades[i];
@@ -135,10 +189,14 @@ CascadeSet fitTightCascades(const CascadeInput& input, const ShadowSettings& set
             if (bin.farMetres >= fitNear && bin.nearMetres <= cascade.farMetres)
                 extent.add(bin);
         if (!extent.empty())
-            fitWindow(cascade, extent.bounds, settings.mapSize,
-                      penumbraMetres(extent, casters, settings.lightDiameterDegrees));
+            wanted[i] = {extent.bounds,
+                         penumbraMetres(extent, casters, settings.lightDiameterDegrees), true};
         fitNear = cascade.blendStartMetres;
     }
+    set.mapSize = mapSizeFor(wanted, settings.mapSize);
+    for (std::size_t i = 0; i < count; ++i)
+        if (wanted[i].any)
+            fitWindow(set.cascades[i], wanted[i], set.mapSize);
     return set;
 }
 

@@ -339,7 +339,11 @@ void FrameRenderer::State::drawMaps(Frame& frame) {
 }
 
 // The casters' tiles were chosen for the looser cascades, which hold these.
-CascadeSet FrameRenderer::State::tightened(const Frame& frame) {
+CascadeSet FrameRenderer::State::tightened(Frame& frame) {
+    const Transform<Light, Light> turn =
+        turnedTowards(last.surfaceCamera, frame.input.lightFromEcef);
+    frame.input.lightFromEcef = turn * frame.input.lightFromEcef;
+    frame.casters.lightFromAnchor = turn * frame.casters.lightFromAnchor;
     const auto seenIn = [&](const std::vector<float>& viewDepth) {
         return seenReceivers(last.surfaceCamera, viewDepth, frame.input.lightFromEcef,
                              frame.casters.lightFromAnchor, frame.input.farMetres);
@@ -388,6 +392,8 @@ void FrameRenderer::State::drawLight(Frame& frame) {
         input.maps = &cascadePass;
     if (!last.projective.empty())
         input.projective = &projectivePass;
+    input.rough = std::any_of(scene.layers.begin(), scene.layers.end(),
+                              [](const Layer& layer) { return layer.terrain != nullptr; });
     sunPass.draw(visibilityPass, input, frame.shadows, sun);
     timer.mark();
     if (waterPass.any())

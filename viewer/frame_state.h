@@ -95,7 +95,7 @@ struct FrameRenderer::State {
     void prefetch(const Frame& frame);
     MemoryLedger* ledger() const;
     std::vector<float> groundErrors(const Frame& frame) const;
-    CascadeSet tightened(const Frame& frame);
+    CascadeSet tightened(Frame& frame);
     std::vector<ProjectiveMap> projectiveMaps(const Frame& frame);
     // Read back, rows top to bottom: as VisibilityPass's, or the water's where it is nearer.
     struct NearestSurfaces {

@@ -104,24 +104,25 @@ TEST(Lattice, TexelsStayWhenTheCameraTurns) {
 }
 
 TEST(Lattice, PagesTileTheWindowExactlyAndKeepEachCellAtItsRemainder) {
-    constexpr int n = 16;
+    constexpr int m = 16, n = 8; // across, up
     for (std::int64_t x = -40; x <= 40; x += 3)
         for (std::int64_t y = -40; y <= 40; ++y) {
             Cascade c;
             c.cornerX = x;
             c.cornerY = y;
-            const CascadePages pages = pagesOf(c, n);
-            std::vector<int> covered(std::size_t(n * n), 0);
+            const CascadePages pages = pagesOf(c, {m, n});
+            std::vector<int> covered(std::size_t(m * n), 0);
             for (int p = 0; p < pages.count; ++p) {
                 const CascadePage& page = pages.pages[std::size_t(p)];
-                ASSERT_EQ(page.originX % n, 0);
+                ASSERT_EQ(page.originX % m, 0);
                 ASSERT_EQ(page.originY % n, 0);
                 for (int ty = page.y; ty < page.y + page.height; ++ty)
                     for (int tx = page.x; tx < page.x + page.width; ++tx) {
-                        ++covered[std::size_t(ty * n + tx)];
+                        ++covered[std::size_t(ty * m + tx)];
                         const std::int64_t cellX = page.originX + tx, cellY = page.originY + ty;
-                        ASSERT_TRUE(cellX >= x && cellX < x + n && cellY >= y && cellY < y + n);
-                        ASSERT_EQ(((cellX % n) + n) % n, tx);
+                        ASSERT_TRUE(cellX >= x && cellX < x + m && cellY >= y && cellY < y + n);
+                        ASSERT_EQ(((cellX % m) + m) % m, tx);
+                        ASSERT_EQ(((cellY % n) + n) % n, ty);
                     }
             }
             for (const int times : covered)
@@ -136,11 +137,11 @@ TEST(Lattice, SurvivesTheDepthPassInFloat) {
         const Place place({random.in(-180, 180), random.in(-90, 90), random.in(-100, 5000)});
         const Fitted fitted =
             fit(place, eye(random, place), random.in(0, 360), random.in(1, 90), 2, 2000);
-        const int size = fitted.set.mapSize;
+        const int size = fitted.set.mapSize.x;
         const double bound = size * std::exp2(-22);
         for (const Cascade& c : fitted.set.cascades) {
             const Rows rows = rowsOf(fitted.set, c);
-            const CascadePages pages = pagesOf(c, size);
+            const CascadePages pages = pagesOf(c, fitted.set.mapSize);
             // A cell of the window, and a mesh around it that is no larger than the window.
             const double reach = std::min(0.25 * size * c.texelMetres, 128.0);
             for (int p = 0; p < pages.count; ++p) {
@@ -181,7 +182,7 @@ TEST(Lattice, SurvivesTheReceiversLookUpInFloat) {
         const Fitted fitted = fit(place, camera, random.in(0, 360), random.in(1, 90), 2, 2000);
         const glm::dmat3 axes = glm::transpose(fitted.set.lightFromEcef.axes());
         const glm::vec3 axisX(axes[0]), axisY(axes[1]);
-        const int size = fitted.set.mapSize;
+        const int size = fitted.set.mapSize.x;
         for (const Cascade& c : fitted.set.cascades) {
             // sun.frag: camera-relative metres along the light's axes, over the texel, plus the
             // camera's own lattice place.

@@ -146,7 +146,7 @@ TEST(Cascades, HoldTheirSliceAndTheBlendBeforeItWithRoomForTheFilter) {
                     windowFromLight(c, set.lightFromEcef(inFrustum(camera, d, u, v)).xyz);
                 // A cell is lost to the snap.
                 ASSERT_GE(std::min(p.x, p.y), kBorderTexels - 1 - 1e-3) << "cascade " << k;
-                ASSERT_LE(std::max(p.x, p.y), set.mapSize - kBorderTexels + 1 + 1e-3);
+                ASSERT_LE(std::max(p.x, p.y), set.mapSize.x - kBorderTexels + 1 + 1e-3);
                 ASSERT_GE(p.z, 0.0);
                 ASSERT_LE(p.z, c.depthRangeMetres);
             }
@@ -164,7 +164,7 @@ TEST(Cascades, SpendNoMoreTexelsThanTheLadderAndTheBorderCost) {
         const SliceSphere sphere =
             minimalSliceSphere(set.cascades[2].blendStartMetres, last.farMetres,
                                camera.tanHalfWidth(), camera.tanHalfHeight());
-        const double needed = 2.0 * sphere.radiusMetres / (set.mapSize - 2 * kBorderTexels);
+        const double needed = 2.0 * sphere.radiusMetres / (set.mapSize.x - 2 * kBorderTexels);
         EXPECT_LE(last.texelMetres, needed * std::exp2(1.0 / 8.0) * (1 + 1e-9));
         EXPECT_GE(last.texelMetres, needed * (1 - 1e-9));
     }
