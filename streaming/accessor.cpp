@@ -1,29 +1,15 @@
 #include "streaming/gltf_document.h"
+
+#include "streaming/component_type.h"
 #include "streaming/tinygltf.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace gnomon {
 
 namespace {
 
 using Span = std::span<const std::byte>;
-
-std::size_t sizeOf(ComponentType type) {
-    switch (type) {
-    case ComponentType::Byte:
-    case ComponentType::UnsignedByte:
-        return 1;
-    case ComponentType::Short:
-    case ComponentType::UnsignedShort:
-        return 2;
-    case ComponentType::UnsignedInt:
-    case ComponentType::Float:
-        return 4;
-    }
-    return 0;
-}
 
 // `count` elements of `size` bytes, `stride` apart, from `offset` on: all of it, or an exception.
 Span slice(Span view, std::size_t offset, std::size_t count, std::size_t stride, std::size_t size,
@@ -37,31 +23,6 @@ Span slice(Span view, std::size_t offset, std::size_t count, std::size_t stride,
         throw BadContent{named + " lies outside its bufferView"};
     }
     return view.subspan(offset, (count - 1) * stride + size);
-}
-
-template <class T>
-double load(const std::byte* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return double(value);
-}
-
-double loadAs(ComponentType type, const std::byte* at) {
-    switch (type) {
-    case ComponentType::Byte:
-        return load<std::int8_t>(at);
-    case ComponentType::UnsignedByte:
-        return load<std::uint8_t>(at);
-    case ComponentType::Short:
-        return load<std::int16_t>(at);
-    case ComponentType::UnsignedShort:
-        return load<std::uint16_t>(at);
-    case ComponentType::UnsignedInt:
-        return load<std::uint32_t>(at);
-    case ComponentType::Float:
-        return load<float>(at);
-    }
-    return 0.0;
 }
 
 } // namespace
@@ -78,7 +39,7 @@ AccessorReader::AccessorReader(const GltfDocument& document, int index) {
     }
     const tinygltf::Accessor& accessor = accessors[std::size_t(index)];
     type_ = ComponentType(accessor.componentType);
-    componentBytes_ = sizeOf(type_);
+    componentBytes_ = componentBytes(type_);
     components_ = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
     if (componentBytes_ == 0 || components_ < 1 || components_ > 4 ||
         accessor.type == TINYGLTF_TYPE_MAT2) {
@@ -111,7 +72,7 @@ void AccessorReader::readSparse(const GltfDocument& document, const tinygltf::Ac
                                 const std::string& named) {
     const auto& sparse = accessor.sparse;
     const auto indexType = ComponentType(sparse.indices.componentType);
-    const std::size_t indexBytes = sizeOf(indexType);
+    const std::size_t indexBytes = componentBytes(indexType);
     if (sparse.count < 0 || std::size_t(sparse.count) > count_ || sparse.indices.byteOffset < 0 ||
         sparse.values.byteOffset < 0 || indexBytes == 0 || indexType == ComponentType::Float) {
         throw BadContent{named + " has a malformed sparse part"};

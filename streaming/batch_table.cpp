@@ -1,13 +1,14 @@
 #include "streaming/batch_table.h"
 
+#include "streaming/column_number.h"
 #include "streaming/feature_columns.h"
 #include "streaming/gltf_document.h"
 #include "streaming/json_slices.h"
 #include "streaming/json_text.h"
+#include "streaming/soup.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -63,25 +64,14 @@ struct Component {
     Json (*read)(const std::byte*);
 };
 
-template <class T>
-Json readAs(const std::byte* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    if constexpr (std::is_same_v<T, float>) {
-        return asWritten(value);
-    } else {
-        return value;
-    }
-}
-
-constexpr std::array<Component, 8> kComponents{{{"BYTE", 1, readAs<std::int8_t>},
-                                                {"UNSIGNED_BYTE", 1, readAs<std::uint8_t>},
-                                                {"SHORT", 2, readAs<std::int16_t>},
-                                                {"UNSIGNED_SHORT", 2, readAs<std::uint16_t>},
-                                                {"INT", 4, readAs<std::int32_t>},
-                                                {"UNSIGNED_INT", 4, readAs<std::uint32_t>},
-                                                {"FLOAT", 4, readAs<float>},
-                                                {"DOUBLE", 8, readAs<double>}}};
+constexpr std::array<Component, 8> kComponents{{{"BYTE", 1, numberAt<std::int8_t>},
+                                                {"UNSIGNED_BYTE", 1, numberAt<std::uint8_t>},
+                                                {"SHORT", 2, numberAt<std::int16_t>},
+                                                {"UNSIGNED_SHORT", 2, numberAt<std::uint16_t>},
+                                                {"INT", 4, numberAt<std::int32_t>},
+                                                {"UNSIGNED_INT", 4, numberAt<std::uint32_t>},
+                                                {"FLOAT", 4, numberAt<float>},
+                                                {"DOUBLE", 8, numberAt<double>}}};
 
 class BinaryColumn : public Column {
   public:
@@ -111,6 +101,14 @@ class BinaryColumn : public Column {
     std::size_t offset_;
 };
 
+// Whether a second byte makes a character with `lead`, and not one written too long, half of a
+// UTF-16 pair, or beyond Unicode.
+bool mayFollow(unsigned char lead, unsigned char second) {
+    const unsigned least = lead == 0xe0 ? 0xa0u : lead == 0xf0 ? 0x90u : 0x80u;
+    const unsigned most = lead == 0xed ? 0x9fu : lead == 0xf4 ? 0x8fu : 0xbfu;
+    return second >= least && second <= most;
+}
+
 // Bytes that are no UTF-8, as older exporters leave them, are taken for Latin-1.
 std::string asUtf8(std::string_view text) {
     std::string out;
@@ -125,7 +123,8 @@ std::string asUtf8(std::string_view text) {
                                                : 9;
         bool whole = more < 9 && i + more < text.size();
         for (std::size_t k = 1; whole && k <= more; ++k) {
-            whole = (static_cast<unsigned char>(text[i + k]) & 0xc0u) == 0x80u;
+            const auto next = static_cast<unsigned char>(text[i + k]);
+            whole = k == 1 ? mayFollow(lead, next) : (next & 0xc0u) == 0x80u;
         }
         if (whole) {
             out.append(text, i, more + 1);
@@ -139,8 +138,8 @@ std::string asUtf8(std::string_view text) {
     return out;
 }
 
-// The table's JSON, well formed; nullopt when it cannot be made so.
-std::optional<std::string> wellFormed(std::string_view text) {
+// The table's JSON, well formed; nullopt when it cannot be made so. Throws BadContent for memory.
+std::optional<std::string> wellFormed(std::string_view text, ByteBudget& budget) {
     while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) {
         text.remove_suffix(1); // padding
     }
@@ -148,30 +147,24 @@ std::optional<std::string> wellFormed(std::string_view text) {
         return std::string("{}");
     }
     if (Json::accept(text)) {
+        budget.take(text.size(), 1, "batch table");
         return std::string(text);
     }
+    // In UTF-8 every byte may become two, and strings take twice their size while they grow.
+    budget.take(text.size(), 6, "batch table");
     std::string mended = withoutNonFinite(asUtf8(text));
     return Json::accept(mended) ? std::optional(std::move(mended)) : std::nullopt;
 }
 
 class BatchTableReader {
   public:
-    BatchTableReader(Text text, Binary binary, std::uint32_t rows,
-                     std::vector<std::string>& warnings)
-        : text_(std::move(text)), binary_(std::move(binary)), rows_(rows), warnings_(warnings) {}
+    BatchTableReader(Text text, Binary binary, std::uint32_t rows, BatchRows rowsAre,
+                     std::vector<std::string>& warnings, ByteBudget& budget)
+        : text_(std::move(text)), binary_(std::move(binary)), rows_(rows), rowsAre_(rowsAre),
+          warnings_(warnings), budget_(budget) {}
 
     Columns read() {
-        for (const JsonMember& member : jsonMembers(*text_)) {
-            const Json key = Json::parse('"' + std::string(member.key) + '"', nullptr, false);
-            const std::string name = key.is_string() ? key.get<std::string>() : std::string();
-            if (name == "extensions") {
-                noteExtensions(member.value);
-            } else if (name == "HIERARCHY") {
-                flaw("the batch table's hierarchy is not read");
-            } else if (name != "extras") {
-                readColumn(name, member.value);
-            }
-        }
+        eachJsonMember(*text_, [&](const JsonMember& member) { readMember(member); });
         if (unnamed_ > 0) {
             warnings_.push_back(std::to_string(unnamed_) + " more flaws in the batch table");
         }
@@ -179,6 +172,26 @@ class BatchTableReader {
     }
 
   private:
+    static constexpr std::size_t kBytesPerColumn = 2 * sizeof(JsonColumn);
+
+    void readMember(const JsonMember& member) {
+        try {
+            // A name is kept once, and copied three times on its way.
+            budget_.take(member.key.size(), 4, "its name");
+        } catch (const BadContent& bad) {
+            return leaveOut(std::string(member.key.substr(0, 200)), bad.reason);
+        }
+        const Json key = Json::parse('"' + std::string(member.key) + '"', nullptr, false);
+        const std::string name = key.is_string() ? key.get<std::string>() : std::string();
+        if (name == "extensions") {
+            noteExtensions(member.value);
+        } else if (name == "HIERARCHY") {
+            flaw("the batch table's hierarchy is not read");
+        } else if (name != "extras") {
+            readColumn(name, member.value);
+        }
+    }
+
     void flaw(const std::string& what) {
         constexpr int kMostNamed = 8;
         if (++flaws_ <= kMostNamed) {
@@ -192,35 +205,48 @@ class BatchTableReader {
     }
 
     void noteExtensions(std::string_view value) {
-        for (const JsonMember& extension : jsonMembers(value)) {
+        eachJsonMember(value, [&](const JsonMember& extension) {
             flaw("the batch table's " + shownName(extension.key) + " is not read");
-        }
+        });
     }
 
     void readColumn(const std::string& name, std::string_view value) {
-        if (!value.empty() && value.front() == '[') {
-            readArray(name, value);
-        } else if (!value.empty() && value.front() == '{') {
-            readBinary(name, Json::parse(value, nullptr, false));
-        } else {
-            leaveOut(name, "it is neither an array nor a reference to one");
+        constexpr std::size_t kLongestReference = std::size_t(1) << 16; // some hundred, honestly
+        const char open = value.empty() ? '\0' : value.front();
+        if (open != '[' && open != '{') {
+            return leaveOut(name, "it is neither an array nor a reference to one");
+        }
+        if (open == '{' && value.size() > kLongestReference) {
+            return leaveOut(name, "it is too long for a reference");
+        }
+        try {
+            budget_.take(1, kBytesPerColumn, "it");
+            if (open == '[') {
+                readArray(name, value);
+            } else {
+                readBinary(name, Json::parse(value, nullptr, false));
+            }
+        } catch (const BadContent& bad) {
+            leaveOut(name, bad.reason);
         }
     }
 
     void readArray(const std::string& name, std::string_view value) {
-        const std::vector<std::string_view> elements = jsonElements(value);
-        if (elements.size() != rows_) {
-            flaw("batch table column " + shownName(name) + " has " +
-                 std::to_string(elements.size()) + " values for " + std::to_string(rows_) +
-                 " features");
-        }
+        // Every value but the last has a comma behind it.
+        const std::size_t most = std::min<std::size_t>(rows_, value.size() / 2);
+        budget_.take(most, sizeof(std::uint32_t), "it");
         std::vector<std::uint32_t> starts;
-        starts.reserve(std::min<std::size_t>(elements.size(), rows_));
-        for (const std::string_view element : elements) {
-            if (starts.size() == rows_) {
-                break;
+        starts.reserve(most);
+        std::size_t count = 0;
+        eachJsonElement(value, [&](std::string_view element) {
+            if (count++ < rows_) {
+                starts.push_back(std::uint32_t(element.data() - text_->data()));
             }
-            starts.push_back(std::uint32_t(element.data() - text_->data()));
+        });
+        starts.shrink_to_fit();
+        if (count < rows_ || (count > rows_ && rowsAre_ == BatchRows::Told)) {
+            flaw("batch table column " + shownName(name) + " has " + std::to_string(count) +
+                 " values for " + std::to_string(rows_) + " features");
         }
         columns_.push_back(std::make_unique<JsonColumn>(name, text_, std::move(starts)));
     }
@@ -262,7 +288,9 @@ class BatchTableReader {
     Text text_;
     Binary binary_;
     std::uint32_t rows_;
+    BatchRows rowsAre_;
     std::vector<std::string>& warnings_;
+    ByteBudget& budget_;
     Columns columns_;
     int flaws_ = 0;
     std::size_t unnamed_ = 0;
@@ -273,7 +301,8 @@ class BatchTableReader {
 std::shared_ptr<const FeatureTable> readBatchTable(std::span<const std::byte> json,
                                                    std::span<const std::byte> binary,
                                                    std::uint32_t batchLength,
-                                                   std::vector<std::string>& warnings) {
+                                                   std::vector<std::string>& warnings,
+                                                   ByteBudget& budget, BatchRows rowsAre) {
     if (batchLength == 0) {
         return nullptr;
     }
@@ -285,12 +314,14 @@ std::shared_ptr<const FeatureTable> readBatchTable(std::span<const std::byte> js
     if (json.size() > std::numeric_limits<std::uint32_t>::max() / 2) {
         return unusable("it is larger than 2 GB");
     }
+    std::optional<std::string> text;
     try {
         checkJsonDepth(json);
+        text = wellFormed(asText(json), budget);
+        budget.take(binary.size(), 1, "batch table");
     } catch (const BadContent& bad) {
         return unusable(bad.reason);
     }
-    std::optional<std::string> text = wellFormed(asText(json));
     if (!text || jsonValueAt(*text, std::min(text->find_first_not_of(" \t\r\n"), text->size()))
                          .substr(0, 1) != "{") {
         return unusable("it is no JSON object");
@@ -298,12 +329,21 @@ std::shared_ptr<const FeatureTable> readBatchTable(std::span<const std::byte> js
     std::size_t sharedBytes = text->capacity() + binary.size();
     auto sharedText = std::make_shared<const std::string>(std::move(*text));
     auto sharedBinary = std::make_shared<const Bytes>(binary.begin(), binary.end());
-    Columns columns =
-        BatchTableReader(std::move(sharedText), std::move(sharedBinary), rows, warnings).read();
+    Columns columns = BatchTableReader(std::move(sharedText), std::move(sharedBinary), rows,
+                                       rowsAre, warnings, budget)
+                          .read();
     if (columns.empty()) {
         sharedBytes = 0;
     }
     return std::make_shared<BatchTable>(columnTable("", rows, std::move(columns)), sharedBytes);
+}
+
+std::shared_ptr<const FeatureTable> readBatchTable(std::span<const std::byte> json,
+                                                   std::span<const std::byte> binary,
+                                                   std::uint32_t batchLength,
+                                                   std::vector<std::string>& warnings) {
+    ByteBudget budget(std::uint64_t(1) << 30);
+    return readBatchTable(json, binary, batchLength, warnings, budget);
 }
 
 } // namespace gnomon

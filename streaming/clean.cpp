@@ -351,4 +351,17 @@ CleanSoup clean(const Soup& soup, const Transform<Ecef, Tile>& ecefFromTile) {
     return Cleaner(soup, ecefFromTile).run();
 }
 
+ContentFacts factsOf(const CleanSoup& cleaned) {
+    ContentFacts facts;
+    facts.triangles = cleaned.triangles.size();
+    facts.duplicates = cleaned.duplicates;
+    facts.degenerate = cleaned.degenerate;
+    facts.invalid = cleaned.invalid;
+    facts.closedTriangles = cleaned.closedTriangles;
+    facts.components = cleaned.components;
+    facts.closedComponents = cleaned.closedComponents;
+    facts.areaVector = cleaned.areaVector;
+    return facts;
+}
+
 } // namespace gnomon

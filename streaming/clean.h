@@ -30,4 +30,7 @@ struct CleanSoup {
 
 CleanSoup clean(const Soup& soup, const Transform<Ecef, Tile>& ecefFromTile);
 
+// What a content made of these triangles has to say of them.
+ContentFacts factsOf(const CleanSoup& cleaned);
+
 } // namespace gnomon

@@ -69,7 +69,8 @@ GltfContent readB3dm(const TileParts& parts, const DecodeOptions& options, ByteB
     const std::uint32_t rows =
         parts.batchLength ? *parts.batchLength : table.count("BATCH_LENGTH").value_or(0);
     if (!out.features) { // what the glTF says itself is the newer way
-        out.features = readBatchTable(parts.batchJson, parts.batchBinary, rows, out.warnings);
+        out.features =
+            readBatchTable(parts.batchJson, parts.batchBinary, rows, out.warnings, budget);
     }
     return out;
 }
@@ -90,17 +91,10 @@ void dropUnknownRows(TileContent& content) {
 // Triangles and points to meshes.
 TileContent build(GltfContent read, const DecodeOptions& options, ByteBudget& budget) {
     TileContent content;
-    ContentFacts& facts = content.facts;
     const CleanSoup cleaned = clean(read.soup, options.ecefFromTile);
     content.meshes = split(read.soup, cleaned, options.ecefFromTile, options.meshAxes);
-    facts.triangles = cleaned.triangles.size();
-    facts.duplicates = cleaned.duplicates;
-    facts.degenerate = cleaned.degenerate;
-    facts.invalid = cleaned.invalid;
-    facts.closedTriangles = cleaned.closedTriangles;
-    facts.components = cleaned.components;
-    facts.closedComponents = cleaned.closedComponents;
-    facts.areaVector = cleaned.areaVector;
+    content.facts = factsOf(cleaned);
+    ContentFacts& facts = content.facts;
     if (!read.points.empty()) {
         PointSolids solids =
             solidsOf(std::move(read.points), options.ecefFromTile, options.meshAxes, budget);
@@ -172,8 +166,7 @@ TileContent decodeAny(Span bytes, const DecodeOptions& options) {
         return decode(bytes, options, budget, 0);
     }
     // Many a tileset lies on its disk as a web server would send it.
-    constexpr std::uint64_t kBase = std::uint64_t(32) << 20, kMostRatio = 64;
-    const std::uint64_t most = std::min(budget.left(), kBase + kMostRatio * bytes.size());
+    const std::uint64_t most = std::min(budget.left(), mostUnpackedBytes(bytes.size()));
     const Result<Bytes> unpacked = gunzip(bytes, std::size_t(most), "");
     if (!unpacked) {
         throw BadContent{unpacked.error().reason};

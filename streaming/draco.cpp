@@ -1,17 +1,26 @@
 #include "streaming/draco.h"
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_kd_tree_decoder.h>
+#include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 #include <draco/metadata/geometry_metadata.h>
 #include <draco/metadata/metadata_decoder.h>
 
 #include <cstring>
+#include <limits>
+#include <memory>
+#include <type_traits>
 
 namespace gnomon {
 
 namespace {
 
+// What the header tells.
 struct Counts {
+    std::uint8_t method = 0; // draco::MeshEncoderMethod or PointCloudEncodingMethod
     std::uint64_t vertices = 0, faces = 0;
+    std::uint64_t seams = 0; // attributes with a connectivity of their own
 };
 
 [[noreturn]] void bad(const std::string& reason) {
@@ -72,6 +81,7 @@ Counts readHeaderCounts(std::span<const std::byte> bytes, draco::EncodedGeometry
     }
     const bool varint = version >= 0x0202;
     Counts counts;
+    counts.method = method;
     if (wanted == draco::POINT_CLOUD) {
         counts.vertices = readCount(buffer, false);
         return counts;
@@ -94,10 +104,23 @@ Counts readHeaderCounts(std::span<const std::byte> bytes, draco::EncodedGeometry
     const bool edgebreakerVarint = version >= 0x0200;
     counts.vertices = readCount(buffer, edgebreakerVarint);
     counts.faces = readCount(buffer, edgebreakerVarint);
+    std::uint8_t seams = 0;
+    if (!buffer.Decode(&seams)) {
+        bad("data ends inside its header");
+    }
+    counts.seams = seams;
     return counts;
 }
 
-void checkCounts(const Counts& counts, const DracoExpectation& expected, ByteBudget& budget) {
+// Descriptions of attributes, and metadata, become some 70 times their own size before any count is
+// met; what is honestly compressed has next to none of them.
+void checkDescriptions(std::span<const std::byte> bytes, const ByteBudget& budget) {
+    constexpr std::uint64_t kMostEach = 64;
+    ByteBudget during = budget;
+    during.take(bytes.size(), kMostEach, "Draco header");
+}
+
+void checkCounts(const Counts& counts, const DracoExpectation& expected, ByteBudget& during) {
     // Some writers' accessors disagree with what Draco made of them (it may drop degenerate faces
     // or split vertices), so they are taken as a scale, not as the truth.
     constexpr std::uint64_t kSlack = 1024;
@@ -107,10 +130,66 @@ void checkCounts(const Counts& counts, const DracoExpectation& expected, ByteBud
             std::to_string(counts.vertices) + " points where the accessors have " +
             std::to_string(expected.faces) + " and " + std::to_string(expected.points));
     }
-    // Corner tables, traversal stacks and portable attributes while decoding, per face and point.
-    constexpr std::uint64_t kDecoderBytes = 64;
-    ByteBudget during = budget;
-    during.take(counts.faces + counts.vertices, kDecoderBytes, "Draco mesh");
+    // While decoding, per face and point: corner tables and the order of traversal; for each
+    // attribute with seams of its own, a corner table more, whose every corner may be another
+    // vertex.
+    constexpr std::uint64_t kMeshBytes = 48, kSeamBytes = 40;
+    during.take(counts.faces + counts.vertices, kMeshBytes + kSeamBytes * counts.seams,
+                "Draco mesh");
+}
+
+// An attribute is described in five bytes, and may have 255 components of 8 bytes at every point.
+// Those that nobody asked for are decoded like any other.
+void checkAttributes(const draco::PointCloud& cloud, bool kdTree, ByteBudget& during) {
+    std::uint64_t dimensions = 0;
+    for (std::int32_t i = 0; i < cloud.num_attributes(); ++i) {
+        const draco::PointAttribute& attribute = *cloud.attribute(i);
+        const std::uint64_t components = attribute.num_components();
+        const int size = draco::DataTypeLength(attribute.data_type());
+        if (size < 1) {
+            bad("attribute of an unknown data type");
+        }
+        // The values, and while decoding each component as an integer; which value a point has, and
+        // the order they come in.
+        const std::uint64_t each =
+            components * (std::uint64_t(size) + sizeof(std::int32_t)) + 2 * sizeof(std::uint32_t);
+        during.take(cloud.num_points(), each, "Draco attributes");
+        dimensions += components;
+    }
+    if (kdTree) { // two stacks of 32 levels a dimension, of a point each
+        during.take(2 * (32 * dimensions + 1), dimensions * sizeof(std::uint32_t) + 32,
+                    "Draco attributes");
+    }
+}
+
+// Draco makes room for the values as soon as all attributes are described. Here that is known, and
+// nothing of it is taken yet.
+template <class Decoder>
+class Budgeted final : public Decoder {
+  public:
+    explicit Budgeted(ByteBudget& during) : during_(during) {}
+
+  private:
+    bool DecodeAllAttributes() override {
+        constexpr bool kdTree = std::is_same_v<Decoder, draco::PointCloudKdTreeDecoder>;
+        checkAttributes(*this->point_cloud(), kdTree, during_);
+        return Decoder::DecodeAllAttributes();
+    }
+
+    ByteBudget& during_;
+};
+
+template <class Decoder, class Geometry>
+std::unique_ptr<Geometry> decodeAs(std::span<const std::byte> bytes, ByteBudget& during) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    auto geometry = std::make_unique<Geometry>();
+    Budgeted<Decoder> decoder(during);
+    const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, geometry.get());
+    if (!status.ok()) {
+        bad(status.error_msg_string());
+    }
+    return geometry;
 }
 
 template <class T>
@@ -198,27 +277,30 @@ DracoAttribute readAttribute(const draco::PointCloud& cloud, std::uint32_t uniqu
     return out;
 }
 
+// Takes from `budget` what stays when the decoding is over.
+void keep(const DracoMesh& mesh, ByteBudget& budget) {
+    budget.take(mesh.indices.size(), sizeof(std::uint32_t), "Draco mesh");
+    for (const DracoAttribute& attribute : mesh.attributes) {
+        budget.take(attribute.values.size(), sizeof(double), "Draco attribute");
+    }
+}
+
 } // namespace
 
 DracoMesh decodeDraco(std::span<const std::byte> bytes, std::span<const std::uint32_t> uniqueIds,
                       const DracoExpectation& expected, ByteBudget& budget) {
-    checkCounts(readHeaderCounts(bytes, draco::TRIANGULAR_MESH), expected, budget);
-
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) {
-        bad(decoded.status().error_msg_string());
-    }
-    const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
-    if (!mesh) {
-        bad("no mesh inside");
-    }
+    checkDescriptions(bytes, budget);
+    const Counts counts = readHeaderCounts(bytes, draco::TRIANGULAR_MESH);
+    ByteBudget during = budget;
+    checkCounts(counts, expected, during);
+    const std::unique_ptr<draco::Mesh> mesh =
+        counts.method == draco::MESH_SEQUENTIAL_ENCODING
+            ? decodeAs<draco::MeshSequentialDecoder, draco::Mesh>(bytes, during)
+            : decodeAs<draco::MeshEdgebreakerDecoder, draco::Mesh>(bytes, during);
 
     DracoMesh out;
     out.points = mesh->num_points();
-    budget.take(std::uint64_t(mesh->num_faces()) * 3, sizeof(std::uint32_t), "Draco mesh");
+    during.take(std::uint64_t(mesh->num_faces()) * 3, sizeof(std::uint32_t), "Draco mesh");
     out.indices.reserve(std::size_t(mesh->num_faces()) * 3);
     for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {
         for (const draco::PointIndex& point : mesh->face(f)) {
@@ -230,37 +312,39 @@ DracoMesh decodeDraco(std::span<const std::byte> bytes, std::span<const std::uin
         }
     }
     for (const std::uint32_t id : uniqueIds) {
-        out.attributes.push_back(readAttribute(*mesh, id, budget));
+        out.attributes.push_back(readAttribute(*mesh, id, during));
     }
+    keep(out, budget);
     return out;
 }
 
 DracoMesh decodeDracoPoints(std::span<const std::byte> bytes,
                             std::span<const std::uint32_t> uniqueIds, std::uint32_t points,
                             ByteBudget& budget) {
+    checkDescriptions(bytes, budget);
     const Counts counts = readHeaderCounts(bytes, draco::POINT_CLOUD);
     if (counts.vertices != points) {
         bad("header claims " + std::to_string(counts.vertices) + " points of " +
             std::to_string(points));
     }
-    checkCounts(counts, {points, 0}, budget);
-
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
-    if (!decoded.ok()) {
-        bad(decoded.status().error_msg_string());
+    if (counts.method != draco::POINT_CLOUD_SEQUENTIAL_ENCODING &&
+        counts.method != draco::POINT_CLOUD_KD_TREE_ENCODING) {
+        bad("unknown encoding method");
     }
-    const std::unique_ptr<draco::PointCloud> cloud = std::move(decoded).value();
-    if (!cloud || cloud->num_points() != points) {
+    ByteBudget during = budget;
+    const std::unique_ptr<draco::PointCloud> cloud =
+        counts.method == draco::POINT_CLOUD_SEQUENTIAL_ENCODING
+            ? decodeAs<draco::PointCloudSequentialDecoder, draco::PointCloud>(bytes, during)
+            : decodeAs<draco::PointCloudKdTreeDecoder, draco::PointCloud>(bytes, during);
+    if (cloud->num_points() != points) {
         bad("not the points its header claims");
     }
     DracoMesh out;
     out.points = points;
     for (const std::uint32_t id : uniqueIds) {
-        out.attributes.push_back(readAttribute(*cloud, id, budget));
+        out.attributes.push_back(readAttribute(*cloud, id, during));
     }
+    keep(out, budget);
     return out;
 }
 

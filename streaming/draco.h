@@ -1,8 +1,10 @@
 // KHR_draco_mesh_compression and 3DTILES_draco_point_compression: one Draco buffer to indices and
 // raw attribute values.
 //
-// The library believes the counts in its header (87 bytes may ask for 8 GB) and hands out indices
-// it never checked, so the header is read here first and every index is checked afterwards.
+// The library believes the counts in its header (87 bytes may ask for 8 GB), makes room for as many
+// attributes as are described and hands out indices it never checked. So the header is read here
+// first, the attributes' values are asked of the budget once they are described, and every index is
+// checked afterwards.
 #pragma once
 
 #include "streaming/soup.h"

@@ -1,6 +1,7 @@
 // What a tile says of the things in it: one row a feature (a building, a tree), one column a
-// property. From b3dm and i3dm batch tables and from glTF's EXT_structural_metadata, one table;
-// Mesh::features names the row of each vertex. Values stay as bytes until somebody asks for a row.
+// property. From b3dm, i3dm and pnts batch tables and from glTF's EXT_structural_metadata, one
+// table; Mesh::features names the row of each vertex. Values stay as bytes until somebody asks for
+// a row.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace gnomon {
 
-// As JSON would hold it; arrays, matrices and objects as their JSON text in Json.
+// As JSON would hold it; arrays, matrices and objects as their JSON text.
 struct JsonText {
     std::string text;
     bool operator==(const JsonText&) const = default;

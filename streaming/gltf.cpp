@@ -2,6 +2,7 @@
 
 #include "streaming/gltf_features.h"
 #include "streaming/gltf_parts.h"
+#include "streaming/normal_axes.h"
 #include "streaming/tinygltf.h"
 
 #include <algorithm>
@@ -133,6 +134,19 @@ void addFeatures(const GltfDocument& document, const FeatureIds& ids, std::vecto
     }
 }
 
+// The count of an attribute that does not place the instances; nullopt for none that can be read.
+std::optional<std::size_t> countOfOthers(const GltfDocument& document,
+                                         const tinygltf::Value* attributes) {
+    const auto& accessors = document.model().accessors;
+    for (const std::string& name : attributes ? attributes->Keys() : std::vector<std::string>()) {
+        const int accessor = indexIn(*attributes, name).value_or(-1);
+        if (accessor >= 0 && std::size_t(accessor) < accessors.size()) {
+            return accessors[std::size_t(accessor)].count;
+        }
+    }
+    return {};
+}
+
 // EXT_mesh_gpu_instancing; one where it is when the node has none.
 std::vector<Copy> instancesOf(const GltfDocument& document, const tinygltf::Node& node,
                               ByteBudget& budget) {
@@ -159,6 +173,9 @@ std::vector<Copy> instancesOf(const GltfDocument& document, const tinygltf::Node
             throw BadContent{"EXT_mesh_gpu_instancing with attributes of different lengths"};
         }
         count = *reader ? (*reader)->count() : count;
+    }
+    if (!count) { // as many as there are ids, say, all in one place
+        count = countOfOthers(document, attributes);
     }
     if (!count) {
         return {Copy{}};
@@ -265,20 +282,12 @@ std::vector<Placed> walk(const GltfDocument& document, const glm::dmat4& tileFro
 void appendVertices(const PrimitiveData& primitive, const Copy& copy,
                     std::vector<glm::dvec3>& positions, std::vector<glm::vec3>& normals,
                     std::vector<std::uint32_t>& colors, std::vector<std::uint32_t>& features) {
-    const glm::dmat3 axes(copy.tileFromMesh);
-    // The inverse transpose but for its scale, which needs no inverse.
-    const glm::dmat3 normalAxes =
-        (glm::determinant(axes) < 0.0 ? -1.0 : 1.0) * glm::dmat3(glm::cross(axes[1], axes[2]),
-                                                                 glm::cross(axes[2], axes[0]),
-                                                                 glm::cross(axes[0], axes[1]));
+    const glm::dmat3 normalAxes = normalAxesOf(glm::dmat3(copy.tileFromMesh));
     for (const glm::dvec3& p : primitive.positions) {
         positions.push_back(glm::dvec3(copy.tileFromMesh * glm::dvec4(p, 1.0)));
     }
     for (const glm::vec3& normal : primitive.normals) {
-        const glm::dvec3 turned = normalAxes * glm::dvec3(normal);
-        const double length = glm::length(turned);
-        normals.push_back(length > 0.0 && std::isfinite(length) ? glm::vec3(turned / length)
-                                                                : glm::vec3(0.0f));
+        normals.push_back(turnedNormal(normalAxes, normal));
     }
     colors.insert(colors.end(), primitive.colors.begin(), primitive.colors.end());
     if (!copy.feature) {

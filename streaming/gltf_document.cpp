@@ -1,4 +1,5 @@
 #include "streaming/gltf_document.h"
+#include "streaming/gltf_json.h"
 #include "streaming/meshopt.h"
 #include "streaming/tinygltf.h"
 
@@ -30,24 +31,6 @@ const Json& arrayOf(const Json& root, const char* key) {
     static const Json empty = Json::array();
     const auto it = root.find(key);
     return it != root.end() && it->is_array() ? *it : empty;
-}
-
-// Three bytes of JSON can become kilobytes of model.
-void checkModelSize(const Json& root, ByteBudget& budget) {
-    const std::array<std::pair<const char*, std::size_t>, 8> kinds{{
-        {"accessors", sizeof(tinygltf::Accessor)},
-        {"bufferViews", sizeof(tinygltf::BufferView)},
-        {"materials", sizeof(tinygltf::Material)},
-        {"meshes", sizeof(tinygltf::Mesh)},
-        {"nodes", sizeof(tinygltf::Node)},
-        {"samplers", sizeof(tinygltf::Sampler)},
-        {"scenes", sizeof(tinygltf::Scene)},
-        {"textures", sizeof(tinygltf::Texture)},
-    }};
-    for (const auto& [key, bytes] : kinds) {
-        budget.take(arrayOf(root, key).size(), 2 * bytes,
-                    key); // twice: the vector grows by copying
-    }
 }
 
 std::optional<std::uint64_t> unsignedIn(const Json& object, const char* key) {
@@ -130,25 +113,6 @@ std::string oneLine(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 32; }, ' ');
     return text.substr(0, 200);
-}
-
-// What of the JSON tinygltf is to read: no buffers, no images, nothing we would not look at.
-std::string strippedJson(Json& root) {
-    Json kept = Json::object();
-    for (const char* key :
-         {"asset", "accessors", "bufferViews", "materials", "meshes", "nodes", "samplers", "scene",
-          "scenes", "textures", "extensionsUsed", "extensionsRequired"}) {
-        if (const auto it = root.find(key); it != root.end()) {
-            kept[key] = std::move(*it);
-        }
-    }
-    const auto extensions = root.find("extensions");
-    if (extensions != root.end() && extensions->is_object()) {
-        if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
-            kept["extensions"]["CESIUM_RTC"] = *rtc;
-        }
-    }
-    return kept.dump();
 }
 
 // tinygltf refuses indices without a bufferView, which Draco's need not have: they get a stand-in,
@@ -319,19 +283,20 @@ GltfDocument::GltfDocument(Span bytes, const DecodeOptions& options, ByteBudget&
     if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
         chunks = scanGlb(bytes);
     }
+    if (chunks.json.size() >= 3 && std::memcmp(chunks.json.data(), "\xef\xbb\xbf", 3) == 0) {
+        chunks.json = chunks.json.subspan(3); // a byte order mark, which is no JSON
+    }
     checkJsonDepth(chunks.json);
     const char* text = reinterpret_cast<const char*>(chunks.json.data());
     std::size_t length = chunks.json.size();
     while (length > 0 && (text[length - 1] == '\0' || text[length - 1] == ' ')) {
         --length; // some writers pad the chunk with zeros
     }
-    // Every value of a parsed document takes at least two bytes of text and some 40 of memory.
-    budget.take(length / 2, 40, "JSON");
+    budget.take(length, kBytesPerJsonCharacter, "JSON");
     Json root = Json::parse(text, text + length, nullptr, false);
     if (!root.is_object()) {
         throw BadContent{"glTF: malformed JSON"};
     }
-    checkModelSize(root, budget);
     json_ = {text, length};
 
     images_ = imageSources(root);
@@ -345,7 +310,9 @@ GltfDocument::GltfDocument(Span bytes, const DecodeOptions& options, ByteBudget&
     }
     unpackViews(packedViews(root), budget);
     const int standIn = addStandIn(root);
-    model_ = loadModel(strippedJson(root));
+    const std::string kept = jsonForModel(root, budget);
+    root = nullptr; // tinygltf parses it again: never two documents at once
+    model_ = loadModel(kept);
     removeStandIn(*model_, standIn);
 }
 

@@ -171,23 +171,23 @@ bool GltfFeatures::isScalar(const tinygltf::Primitive& primitive,
 
 FeatureIds GltfFeatures::of(const tinygltf::Primitive& primitive) const {
     if (const auto* extension = extensionOf(primitive.extensions, "EXT_mesh_features")) {
-        const auto byName = [&](FeatureIds& ids, int attribute) {
+        return pick(*extension, false, [&](FeatureIds& ids, int attribute) {
             ids.attribute = "_FEATURE_ID_" + std::to_string(attribute);
             return isScalar(primitive, ids.attribute);
-        };
-        if (FeatureIds ids = pick(*extension, false, byName); ids.any()) {
-            return ids;
-        }
-    }
-    if (const auto ids = legacyIds(primitive);
-        ids && (ids->implicit || isScalar(primitive, ids->attribute))) {
-        return *ids;
+        });
     }
     FeatureIds ids;
+    if (const auto legacy = legacyIds(primitive);
+        legacy && (legacy->implicit || isScalar(primitive, legacy->attribute))) {
+        ids = *legacy;
+    }
     for (const char* name : {"_FEATURE_ID_0", "_BATCHID", "BATCHID"}) {
-        if (ids.attribute.empty() && isScalar(primitive, name)) {
+        if (!ids.any() && isScalar(primitive, name)) {
             ids.attribute = name;
         }
+    }
+    if (table_) { // none of these names a table of the file; a batch table is another matter
+        setRows(ids, {});
     }
     return ids;
 }

@@ -139,6 +139,7 @@ Triangles assemble(const std::vector<std::uint32_t>& indices, int mode, std::uin
         }
         return out;
     }
+    out.reserve(indices.size());
     std::size_t start = 0;
     for (std::size_t i = 0; i < indices.size(); ++i) {
         if (indices[i] == restart) {
@@ -202,23 +203,42 @@ IndexRun readIndices(const GltfDocument& document, const tinygltf::Primitive& pr
     return out;
 }
 
-// Renumbers the triangles by first use and returns the vertices they use, in that order. Exporters
-// share one large vertex buffer among many primitives, so its size must not matter.
-std::vector<std::uint32_t> compact(Triangles& triangles) {
-    std::vector<std::uint32_t> sorted;
-    sorted.reserve(triangles.size() * 3);
+void checkIndex(std::uint32_t index, std::size_t vertices) {
+    if (index >= vertices) {
+        throw BadContent{"index " + std::to_string(index) + " of " + std::to_string(vertices) +
+                         " vertices"};
+    }
+}
+
+// Renumbers the triangles by first use and returns which of the `vertices` they use, in that order.
+// Exporters share one large vertex buffer among many primitives, so its size must not matter.
+std::vector<std::uint32_t> compact(Triangles& triangles, std::size_t vertices, ByteBudget& budget) {
     std::uint32_t largest = 0;
     for (const auto& t : triangles) {
-        sorted.insert(sorted.end(), t.begin(), t.end());
         largest = std::max({largest, t[0], t[1], t[2]});
     }
-    constexpr std::uint32_t kUnused = 0xffffffffu;
     std::vector<std::uint32_t> used;
-    const bool dense = largest / 8 <= sorted.size();
+    if (triangles.empty()) {
+        return used;
+    }
+    checkIndex(largest, vertices);
+    const std::uint64_t corners = std::uint64_t(triangles.size()) * 3;
+    // A number for each vertex, where that is not many times the corners; else for each corner.
+    const bool dense = largest / 8 <= corners;
+    budget.take(std::min<std::uint64_t>(corners, std::uint64_t(largest) + 1),
+                2 * sizeof(std::uint32_t), "vertices"); // `used`, which grows by copying
+    budget.take(dense ? std::uint64_t(largest) + 1 : 2 * corners, sizeof(std::uint32_t),
+                "vertices");
+    std::vector<std::uint32_t> sorted;
     if (!dense) {
+        sorted.reserve(std::size_t(corners));
+        for (const auto& t : triangles) {
+            sorted.insert(sorted.end(), t.begin(), t.end());
+        }
         std::sort(sorted.begin(), sorted.end());
         sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     }
+    constexpr std::uint32_t kUnused = 0xffffffffu;
     std::vector<std::uint32_t> number(dense ? std::size_t(largest) + 1 : sorted.size(), kUnused);
     for (auto& t : triangles) {
         for (std::uint32_t& index : t) {
@@ -336,19 +356,16 @@ PrimitiveData readPrimitive(const GltfDocument& document, const tinygltf::Primit
     out.isPoints = primitive.mode == TINYGLTF_MODE_POINTS;
     if (out.isPoints) {
         used = readIndices(document, primitive, positions->count(), scratch).indices;
+        for (const std::uint32_t index : used) {
+            checkIndex(index, positions->count());
+        }
     } else {
         out.triangles = readTriangles(document, primitive, attributes, positions->count(), scratch);
-        scratch.take(out.triangles.size(), 3 * 2 * sizeof(std::uint32_t), "triangles");
-        used = compact(out.triangles);
+        scratch.take(out.triangles.size(), 3 * sizeof(std::uint32_t), "triangles");
+        used = compact(out.triangles, positions->count(), scratch);
     }
     scratch.take(used.size(), sizeof(glm::dvec3) + sizeof(glm::vec3) + sizeof(glm::vec2) + 8,
                  "vertices");
-    for (const std::uint32_t index : used) {
-        if (index >= positions->count()) {
-            throw BadContent{"index " + std::to_string(index) + " of " +
-                             std::to_string(positions->count()) + " vertices"};
-        }
-    }
     readVertices(attributes, *positions, used, mapping, features, out);
     return out;
 }

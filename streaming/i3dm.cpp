@@ -2,6 +2,7 @@
 
 #include "geo/ellipsoid.h"
 #include "streaming/batch_table.h"
+#include "streaming/normal_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,12 +109,12 @@ std::vector<glm::dmat3> readOrientations(const TileSemantics& table,
 }
 
 std::vector<Instance> readInstances(const TileSemantics& table, std::uint32_t count,
+                                    const std::optional<SemanticValues>& ids,
                                     const Transform<Ecef, Tile>& ecefFromTile) {
     const std::vector<glm::dvec3> positions = readPositions(table, count);
     const std::vector<glm::dmat3> axes = readOrientations(table, positions, ecefFromTile);
     const auto scale = table.values("SCALE", count, 1, ComponentType::Float);
     const auto scales = table.values("SCALE_NON_UNIFORM", count, 3, ComponentType::Float);
-    const auto ids = table.batchIds(count);
     std::vector<Instance> out(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const glm::dvec3 by =
@@ -167,18 +168,6 @@ GltfContent readModel(const TileParts& parts, const DecodeOptions& options, Byte
     return readGltf(*bytes, own, {}, budget);
 }
 
-glm::dmat3 normalAxesOf(const glm::dmat3& m) {
-    const double sign = glm::determinant(m) < 0.0 ? -1.0 : 1.0;
-    return sign *
-           glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-}
-
-glm::vec3 turned(const glm::dmat3& normalAxes, const glm::vec3& normal) {
-    const glm::dvec3 n = normalAxes * glm::dvec3(normal);
-    const double length = glm::length(n);
-    return length > 0.0 && std::isfinite(length) ? glm::vec3(n / length) : glm::vec3(0.0f);
-}
-
 void append(const Soup& model, const Instance& instance, Soup& out) {
     const glm::dmat3 axes(instance.tileFromModel), normalAxes = normalAxesOf(axes);
     const bool mirrored = glm::determinant(axes) < 0.0;
@@ -187,7 +176,7 @@ void append(const Soup& model, const Instance& instance, Soup& out) {
         out.positions.push_back(glm::dvec3(instance.tileFromModel * glm::dvec4(p, 1.0)));
     }
     for (const glm::vec3& normal : model.normals) {
-        out.normals.push_back(turned(normalAxes, normal));
+        out.normals.push_back(turnedNormal(normalAxes, normal));
     }
     out.uvs.insert(out.uvs.end(), model.uvs.begin(), model.uvs.end());
     out.colors.insert(out.colors.end(), model.colors.begin(), model.colors.end());
@@ -210,7 +199,7 @@ void append(const PointCloud& model, const Instance& instance, PointCloud& out) 
         out.positions.push_back(glm::dvec3(instance.tileFromModel * glm::dvec4(p, 1.0)));
     }
     for (const glm::vec3& normal : model.normals) {
-        out.normals.push_back(turned(normalAxes, normal));
+        out.normals.push_back(turnedNormal(normalAxes, normal));
     }
     out.colors.insert(out.colors.end(), model.colors.begin(), model.colors.end());
     out.features.resize(out.positions.size(), instance.feature);
@@ -252,7 +241,8 @@ GltfContent readI3dm(const TileParts& parts, const DecodeOptions& options, ByteB
     constexpr std::size_t kEach =
         sizeof(Instance) + sizeof(glm::dmat3) + 3 * sizeof(glm::dvec3); // while they are read
     budget.take(*count, kEach, "instances");
-    const std::vector<Instance> instances = readInstances(table, *count, options.ecefFromTile);
+    const std::optional<SemanticValues> ids = table.batchIds(*count);
+    const std::vector<Instance> instances = readInstances(table, *count, ids, options.ecefFromTile);
     GltfContent out = readModel(parts, options, budget);
     multiply(instances, out, budget);
 
@@ -260,7 +250,10 @@ GltfContent readI3dm(const TileParts& parts, const DecodeOptions& options, ByteB
     for (const Instance& instance : instances) {
         rows = instance.feature == kNoFeature ? rows : std::max(rows, instance.feature + 1);
     }
-    out.features = readBatchTable(parts.batchJson, parts.batchBinary, rows, out.warnings);
+    // Nothing tells how long a table is whose rows instances name: they need not name the last.
+    const BatchRows rowsAre = ids ? BatchRows::UsedAtLeast : BatchRows::Told;
+    out.features =
+        readBatchTable(parts.batchJson, parts.batchBinary, rows, out.warnings, budget, rowsAre);
     return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <webp/decode.h>
 
 #include <array>
 #include <cstring>
@@ -113,21 +114,6 @@ std::optional<Size> jpegSize(Span b) {
     return {};
 }
 
-std::optional<Size> webpSize(Span b) {
-    if (b.size() < 30) {
-        return {};
-    }
-    if (startsWith(b, 12, "VP8X", 4)) {
-        return Size{1 + (at(b, 24) | at(b, 25) << 8 | at(b, 26) << 16),
-                    1 + (at(b, 27) | at(b, 28) << 8 | at(b, 29) << 16)};
-    }
-    if (startsWith(b, 12, "VP8L", 4)) {
-        const std::uint32_t bits = at(b, 21) | at(b, 22) << 8 | at(b, 23) << 16 | at(b, 24) << 24;
-        return Size{1 + (bits & 0x3fffu), 1 + (bits >> 14 & 0x3fffu)};
-    }
-    return Size{(at(b, 26) | at(b, 27) << 8) & 0x3fffu, (at(b, 28) | at(b, 29) << 8) & 0x3fffu};
-}
-
 // libjpeg makes up what is missing, so a file cut short is found by its end mark.
 bool jpegEnds(Span b) {
     for (std::size_t i = b.size(); i >= 2; --i) {
@@ -151,7 +137,7 @@ bool jpegEnds(Span b) {
 
 // What the libraries hold of the whole picture beside the pixels that are asked for, in bytes a
 // pixel: of an interlaced PNG all samples, of a JPEG in several scans all coefficients (16 bits
-// each), of a WebP its own pixels and OpenImageIO's copy of them.
+// each).
 std::uint64_t pngScratch(Span b) {
     const bool interlaced = at(b, 28) != 0;
     return interlaced ? 8 : 0; // four samples of 16 bits at most
@@ -173,10 +159,6 @@ std::uint64_t jpegScratch(Span b) {
     return scans > 1 ? 2 * kMostComponents : 0;
 }
 
-std::uint64_t webpScratch(Span) {
-    return 8;
-}
-
 struct Format {
     const char* plugin;
     std::optional<Size> (*size)(Span);
@@ -189,8 +171,6 @@ Format formatOf(Span bytes) {
         return {"png", pngSize, pngScratch};
     case ImageFormat::Jpeg:
         return {"jpeg", jpegSize, jpegScratch};
-    case ImageFormat::Webp:
-        return {"webp", webpSize, webpScratch};
     default:
         throw BadContent{"image is neither PNG, JPEG nor WebP"};
     }
@@ -210,6 +190,56 @@ void checkSize(const Size& size, std::size_t fileBytes) {
         throw BadContent{"image of " + named + " pixels in only " + std::to_string(fileBytes) +
                          " bytes"};
     }
+}
+
+const char* wordsOf(VP8StatusCode status) {
+    switch (status) {
+    case VP8_STATUS_NOT_ENOUGH_DATA:
+    case VP8_STATUS_SUSPENDED:
+        return "cut short";
+    case VP8_STATUS_UNSUPPORTED_FEATURE:
+        return "of a kind that is not supported";
+    case VP8_STATUS_OUT_OF_MEMORY:
+        return "that does not fit into memory";
+    default:
+        return "that is malformed";
+    }
+}
+
+void checkWebp(VP8StatusCode status) {
+    if (status != VP8_STATUS_OK) {
+        throw BadContent{std::string("WebP image ") + wordsOf(status)};
+    }
+}
+
+// By libwebp itself: OpenImageIO gives its colours multiplied by their alpha, whatever it is asked.
+Image decodeWebp(Span bytes, ByteBudget& budget) {
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    WebPDecoderConfig config;
+    if (!WebPInitDecoderConfig(&config)) {
+        throw BadContent{"WebP images cannot be read by this build"};
+    }
+    checkWebp(WebPGetFeatures(data, bytes.size(), &config.input));
+    if (config.input.has_animation) {
+        throw BadContent{"animated WebP image, which is not supported"};
+    }
+    const Size size{std::uint32_t(config.input.width), std::uint32_t(config.input.height)};
+    checkSize(size, bytes.size());
+    const std::uint64_t pixels = std::uint64_t(size.width) * size.height;
+    budget.take(pixels, 4, "image");
+    ByteBudget during = budget;
+    during.take(pixels, 5, "image"); // its own pixels when lossless, and a plane of alpha
+    Image image{config.input.width, config.input.height, {}};
+    image.rgba.resize(std::size_t(pixels) * 4);
+    config.output.colorspace = MODE_RGBA; // not premultiplied
+    config.output.is_external_memory = 1;
+    config.output.u.RGBA.rgba = image.rgba.data();
+    config.output.u.RGBA.stride = image.width * 4;
+    config.output.u.RGBA.size = image.rgba.size();
+    const VP8StatusCode status = WebPDecode(data, bytes.size(), &config);
+    WebPFreeDecBuffer(&config.output);
+    checkWebp(status);
+    return image;
 }
 
 // Grey, grey and alpha, RGB or RGBA to RGBA, from the last pixel to the first, in place.
@@ -245,6 +275,9 @@ ImageFormat sniffImage(Span bytes) {
 }
 
 Image decodeImage(Span bytes, ByteBudget& budget) {
+    if (sniffImage(bytes) == ImageFormat::Webp) {
+        return decodeWebp(bytes, budget);
+    }
     const Format format = formatOf(bytes);
     const std::optional<Size> size = format.size(bytes);
     if (!size) {

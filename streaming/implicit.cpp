@@ -3,6 +3,7 @@
 #include "streaming/source.h"
 #include "streaming/subtree.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -239,8 +240,22 @@ struct SubtreeBuilder {
                      absolute(depth, placed[i].morton));
     }
 
+    // A subtree without any content has no availability of contents either. Said once a tileset.
+    void checkContents() {
+        const std::size_t told = subtree.contents.size(), named = tiling->contentUris.size();
+        if (told == 0 || told == named)
+            return;
+        const std::string warning = tiling->documentPath + ": a tile names " +
+                                    std::to_string(named) + " contents, its subtrees tell of " +
+                                    std::to_string(told);
+        auto& all = tree.facts_.warnings;
+        if (std::find(all.begin(), all.end(), warning) == all.end())
+            all.push_back(warning);
+    }
+
     void build() {
         tree.subtreeRoots_.erase(rootTile);
+        checkContents();
         if (!subtree.tiles[0]) {
             tree.nodes_[rootTile].content = ContentKind::None;
             tree.nodes_[rootTile].state = LoadState::Ready;

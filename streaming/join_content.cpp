@@ -15,11 +15,18 @@ void moveTo(std::vector<T>& out, std::vector<T>& from) {
                std::make_move_iterator(from.end()));
 }
 
-template <class T>
-void addNew(std::vector<T>& out, const std::vector<T>& from) {
-    std::copy_if(from.begin(), from.end(), std::back_inserter(out), [&](const T& value) {
-        return std::find(out.begin(), out.end(), value) == out.end();
-    });
+// Of what thousands of parts say the first is enough to read, and quick to look through.
+void addNew(std::vector<std::string>& out, const std::vector<std::string>& from) {
+    constexpr std::size_t kMost = 64;
+    for (const std::string& text : from)
+        if (out.size() < kMost && std::find(out.begin(), out.end(), text) == out.end())
+            out.push_back(text);
+}
+
+void addCopyright(std::string& out, const std::string& from) {
+    constexpr std::size_t kMostBytes = 4096;
+    if (out.size() + from.size() < kMostBytes && out.find(from) == std::string::npos)
+        out += (out.empty() ? "" : "; ") + from;
 }
 
 // A part that has features but no table of them gets one of empty rows, so that the rows of the
@@ -55,9 +62,7 @@ void addFacts(const ContentFacts& from, ContentFacts& to) {
     to.closedComponents += from.closedComponents;
     addNew(to.extensions, from.extensions);
     addNew(to.warnings, from.warnings);
-    if (to.copyright.find(from.copyright) == std::string::npos) {
-        to.copyright += (to.copyright.empty() ? "" : "; ") + from.copyright;
-    }
+    addCopyright(to.copyright, from.copyright);
     to.areaVector += from.areaVector;
 }
 
@@ -70,7 +75,9 @@ TileContent joinContents(std::vector<TileContent> parts, const std::string& form
     std::uint64_t firstRow = 0;
     for (TileContent& part : parts) {
         const int firstMaterial = int(out.materials.size()), firstImage = int(out.images.size());
-        tables.push_back(tableOf(part, out.facts.warnings));
+        std::vector<std::string> warnings;
+        tables.push_back(tableOf(part, warnings));
+        addNew(out.facts.warnings, warnings);
         const std::uint64_t rows = tables.back() ? tables.back()->rows() : 0;
         for (Mesh& mesh : part.meshes) {
             mesh.material += firstMaterial;

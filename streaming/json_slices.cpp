@@ -79,37 +79,46 @@ std::string_view jsonValueAt(std::string_view text, std::size_t at) {
     return text.substr(at, endOfValue(text, at) - at);
 }
 
-std::vector<JsonMember> jsonMembers(std::string_view object) {
-    std::vector<JsonMember> out;
+void eachJsonMember(std::string_view object, const std::function<void(const JsonMember&)>& take) {
     eachPart(object, '{', [&](std::size_t at) {
         const std::size_t keyEnd = endOfString(object, at);
         const std::size_t colon = skipSpace(object, keyEnd);
         const std::size_t begin = skipSpace(object, std::min(colon + 1, object.size()));
         const std::string_view value = jsonValueAt(object, begin);
         if (keyEnd >= at + 2) {
-            out.push_back({object.substr(at + 1, keyEnd - at - 2), value});
+            take({object.substr(at + 1, keyEnd - at - 2), value});
         }
         return begin + value.size();
     });
+}
+
+void eachJsonElement(std::string_view array, const std::function<void(std::string_view)>& take) {
+    eachPart(array, '[', [&](std::size_t at) {
+        const std::string_view value = jsonValueAt(array, at);
+        take(value);
+        return at + value.size();
+    });
+}
+
+std::vector<JsonMember> jsonMembers(std::string_view object) {
+    std::vector<JsonMember> out;
+    eachJsonMember(object, [&](const JsonMember& member) { out.push_back(member); });
     return out;
 }
 
 std::vector<std::string_view> jsonElements(std::string_view array) {
     std::vector<std::string_view> out;
-    eachPart(array, '[', [&](std::size_t at) {
-        out.push_back(jsonValueAt(array, at));
-        return at + out.back().size();
-    });
+    eachJsonElement(array, [&](std::string_view value) { out.push_back(value); });
     return out;
 }
 
 std::string_view jsonMember(std::string_view object, std::string_view key) {
     std::string_view found;
-    for (const JsonMember& member : jsonMembers(object)) {
+    eachJsonMember(object, [&](const JsonMember& member) {
         if (member.key == key) {
             found = member.value;
         }
-    }
+    });
     return found;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +16,9 @@ struct JsonMember {
     std::string_view key; // as written, between its quotes
     std::string_view value;
 };
-// Empty for what is no object, or no array.
+// Nothing in what is no object, or no array. One after another, so that many take no memory.
+void eachJsonMember(std::string_view object, const std::function<void(const JsonMember&)>& take);
+void eachJsonElement(std::string_view array, const std::function<void(std::string_view)>& take);
 std::vector<JsonMember> jsonMembers(std::string_view object);
 std::vector<std::string_view> jsonElements(std::string_view array);
 

@@ -2,6 +2,7 @@
 #include "streaming/check_content.h"
 #include "streaming/json_text.h"
 #include "streaming/load_queue.h"
+#include "streaming/terrain/gzip.h"
 
 #include <exception>
 #include <new>
@@ -61,19 +62,31 @@ LoadResult tilesetOf(const LoadJob& job, const Bytes& bytes) {
     return {job.tile, false, std::make_unique<TileTree>(std::move(*tree))};
 }
 
+LoadResult decoded(const Source& source, const LoadJob& job, const Bytes& bytes,
+                   const ReadPath& read) {
+    if (job.kind == ContentKind::Subtree)
+        return subtreeOf(job, bytes, read);
+    if (job.kind == ContentKind::Mesh)
+        return contentOf(source, job, bytes, read);
+    // Whether a tileset or a glTF came is known by what is in it.
+    const JsonKind kind = sniffJson(bytes);
+    const bool isTileset = kind == JsonKind::Tileset ||
+                           (kind != JsonKind::Gltf && job.kind == ContentKind::ExternalTileset);
+    return isTileset ? tilesetOf(job, bytes) : contentOf(source, job, bytes, read);
+}
+
 LoadResult load(const Source& source, const LoadJob& job, const Result<Bytes>& bytes,
                 const ReadPath& read) {
     if (!bytes)
         return {job.tile, true, bytes.error()};
-    if (job.kind == ContentKind::Subtree)
-        return subtreeOf(job, *bytes, read);
-    if (job.kind == ContentKind::Mesh)
-        return contentOf(source, job, *bytes, read);
-    // Whether a tileset or a glTF came is known by what is in it.
-    const JsonKind kind = sniffJson(*bytes);
-    const bool isTileset = kind == JsonKind::Tileset ||
-                           (kind != JsonKind::Gltf && job.kind == ContentKind::ExternalTileset);
-    return isTileset ? tilesetOf(job, *bytes) : contentOf(source, job, *bytes, read);
+    // decodeContent unpacks a mesh itself, within its budget.
+    if (job.kind == ContentKind::Mesh || !isGzip(*bytes))
+        return decoded(source, job, *bytes, read);
+    const Result<Bytes> plain =
+        gunzip(*bytes, std::size_t(mostUnpackedBytes(bytes->size())), job.path);
+    if (!plain)
+        return {job.tile, false, plain.error()};
+    return decoded(source, job, *plain, read);
 }
 
 LoadResult make(const ContentMaker& maker, const LoadJob& job) {

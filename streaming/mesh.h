@@ -75,7 +75,9 @@ struct Mesh {
 
 // What was found in a tile while decoding it, for `info` and the reports.
 struct ContentFacts {
-    std::string format; // "b3dm", "glb", "gltf"
+    // "b3dm", "i3dm", "pnts", "cmpt", "glb", "gltf", "quantized-mesh"; of what is made here
+    // "terrain", "buildings", "trees", "barriers".
+    std::string format;
     std::uint64_t triangles = 0;
     std::uint64_t duplicates = 0; // triangles dropped because they were there already
     std::uint64_t degenerate = 0; // zero-area triangles, dropped

@@ -217,10 +217,10 @@ std::shared_ptr<const FeatureTable> readTable(const TileParts& parts, const Poin
                                               std::vector<std::string>& warnings) {
     const auto columns = points.columns();
     if (columns.empty()) {
-        return readBatchTable(parts.batchJson, parts.batchBinary, rows, warnings);
+        return readBatchTable(parts.batchJson, parts.batchBinary, rows, warnings, budget);
     }
     const PlainBatchTable plain = plainBatchTable(parts, columns, budget);
-    return readBatchTable(plain.json, plain.binary, rows, warnings);
+    return readBatchTable(plain.json, plain.binary, rows, warnings, budget);
 }
 
 } // namespace

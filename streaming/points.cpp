@@ -2,6 +2,7 @@
 
 #include "streaming/clean.h"
 #include "streaming/neighbours.h"
+#include "streaming/normal_axes.h"
 #include "streaming/split.h"
 
 #include <algorithm>
@@ -176,11 +177,8 @@ void bound(std::vector<double>& spacings, double least) {
 class Solids {
   public:
     Solids(const Points& cloud, const Transform<Ecef, Tile>& ecefFromTile)
-        : cloud_(cloud), transform_(ecefFromTile), axes_(ecefFromTile.axes()) {
-        const double sign = glm::determinant(axes_) < 0.0 ? -1.0 : 1.0;
-        ecefNormalAxes_ =
-            sign * glm::dmat3(glm::cross(axes_[1], axes_[2]), glm::cross(axes_[2], axes_[0]),
-                              glm::cross(axes_[0], axes_[1]));
+        : cloud_(cloud), transform_(ecefFromTile), axes_(ecefFromTile.axes()),
+          ecefNormalAxes_(normalAxesOf(axes_)) {
         place();
     }
 
@@ -280,7 +278,7 @@ class Solids {
 
     const Points& cloud_;
     const Transform<Ecef, Tile>& transform_;
-    glm::dmat3 axes_, ecefNormalAxes_{1.0};
+    glm::dmat3 axes_, ecefNormalAxes_;
     std::vector<glm::dvec3> points_; // from clean_.origin, ECEF's axes
     double farthest_ = 0.0;
     Soup soup_;

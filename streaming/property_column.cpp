@@ -1,10 +1,11 @@
 #include "streaming/property_column.h"
 
+#include "streaming/column_number.h"
 #include "streaming/gltf_document.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cmath>
 #include <limits>
 
 namespace gnomon {
@@ -17,19 +18,9 @@ using Json = nlohmann::json;
 constexpr std::uint64_t kMostShown = 4096;
 
 template <class T>
-Json readAs(const std::byte* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    if constexpr (std::is_same_v<T, float>) {
-        return asWritten(value);
-    } else {
-        return value;
-    }
-}
-
-template <class T>
 constexpr NumberType integer(const char* name) {
-    return {name, sizeof(T), double(std::numeric_limits<T>::max()), std::is_signed_v<T>, readAs<T>};
+    return {name, sizeof(T), double(std::numeric_limits<T>::max()), std::is_signed_v<T>,
+            numberAt<T>};
 }
 
 constexpr std::array<NumberType, 10> kNumberTypes{{integer<std::int8_t>("INT8"),
@@ -40,13 +31,31 @@ constexpr std::array<NumberType, 10> kNumberTypes{{integer<std::int8_t>("INT8"),
                                                    integer<std::uint32_t>("UINT32"),
                                                    integer<std::int64_t>("INT64"),
                                                    integer<std::uint64_t>("UINT64"),
-                                                   {"FLOAT32", 4, 0.0, true, readAs<float>},
-                                                   {"FLOAT64", 8, 0.0, true, readAs<double>}}};
+                                                   {"FLOAT32", 4, 0.0, true, numberAt<float>},
+                                                   {"FLOAT64", 8, 0.0, true, numberAt<double>}}};
+
+// As numberAt() reads them: a file may write a float with more digits, or as the double it is.
+void roundToFloats(Json& value) {
+    if (value.is_array()) {
+        for (Json& part : value) {
+            roundToFloats(part);
+        }
+    } else if (value.is_number()) {
+        const double v = value.get<double>();
+        if (std::abs(v) <= double(std::numeric_limits<float>::max())) {
+            value = asWritten(float(v));
+        }
+    }
+}
 
 class PropertyColumn : public Column {
   public:
     PropertyColumn(std::string name, PropertyLayout layout, PropertyBytes bytes)
-        : Column(std::move(name)), layout_(std::move(layout)), bytes_(std::move(bytes)) {}
+        : Column(std::move(name)), layout_(std::move(layout)), bytes_(std::move(bytes)) {
+        if (layout_.number && layout_.number->read == &numberAt<float>) {
+            roundToFloats(layout_.noData);
+        }
+    }
 
     Json at(std::uint64_t row) const override {
         const Json raw = rawAt(row);

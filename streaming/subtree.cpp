@@ -145,13 +145,15 @@ struct SubtreeReader {
         return result;
     }
 
-    // One object before 1.1, an array since; more of them in the multiple-contents extension.
+    // One object before 1.1, an array since.
     Failure contents(std::vector<Availability>& out) {
-        const json* entry = member(document, "contentAvailability");
+        const json* entry = nullptr;
+        // Its array stands for each content; the one beside it, which it forbids, knows only one.
+        if (const json* extensions = member(document, "extensions"))
+            if (const json* extension = member(*extensions, "3DTILES_multiple_contents"))
+                entry = member(*extension, "contentAvailability");
         if (!entry)
-            if (const json* extensions = member(document, "extensions"))
-                if (const json* extension = member(*extensions, "3DTILES_multiple_contents"))
-                    entry = member(*extension, "contentAvailability");
+            entry = member(document, "contentAvailability");
         if (!entry)
             return std::nullopt;
         const std::size_t n = entry->is_array() ? entry->size() : 1;

@@ -1,10 +1,11 @@
 #include "streaming/tile_headers.h"
 
+#include "streaming/component_type.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace gnomon {
 
@@ -58,46 +59,6 @@ Lengths b3dmLengths(Span bytes, std::optional<std::uint32_t>& batchLength) {
         return {24, {0, 0, word(bytes, 12), word(bytes, 16)}};
     }
     return out;
-}
-
-std::size_t sizeOf(ComponentType type) {
-    switch (type) {
-    case ComponentType::Byte:
-    case ComponentType::UnsignedByte:
-        return 1;
-    case ComponentType::Short:
-    case ComponentType::UnsignedShort:
-        return 2;
-    case ComponentType::UnsignedInt:
-    case ComponentType::Float:
-        break;
-    }
-    return 4;
-}
-
-template <class T>
-double load(const std::byte* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return double(value);
-}
-
-double loadAs(ComponentType type, const std::byte* at) {
-    switch (type) {
-    case ComponentType::Byte:
-        return load<std::int8_t>(at);
-    case ComponentType::UnsignedByte:
-        return load<std::uint8_t>(at);
-    case ComponentType::Short:
-        return load<std::int16_t>(at);
-    case ComponentType::UnsignedShort:
-        return load<std::uint16_t>(at);
-    case ComponentType::UnsignedInt:
-        return load<std::uint32_t>(at);
-    case ComponentType::Float:
-        break;
-    }
-    return load<float>(at);
 }
 
 bool isAllNumbers(const Json& array) {
@@ -195,7 +156,8 @@ glm::dvec3 octNormal(double x, double y) {
 
 double SemanticValues::at(std::size_t element, int component) const {
     const std::size_t i = element * std::size_t(components_) + std::size_t(component);
-    return numbers_.empty() ? loadAs(type_, bytes_.data() + i * sizeOf(type_)) : numbers_[i];
+    return numbers_.empty() ? loadAs(type_, bytes_.data() + i * componentBytes(type_))
+                            : numbers_[i];
 }
 
 struct TileSemantics::Table {
@@ -256,10 +218,10 @@ std::vector<double> TileSemantics::numbers(const char* name, std::size_t compone
     if (!offset) {
         throw BadContent{format_ + ": malformed " + name};
     }
-    const Span bytes = binaryOf(name, *offset, components, sizeOf(type));
+    const Span bytes = binaryOf(name, *offset, components, componentBytes(type));
     std::vector<double> out;
     for (std::size_t i = 0; i < components; ++i) {
-        out.push_back(loadAs(type, bytes.data() + i * sizeOf(type)));
+        out.push_back(loadAs(type, bytes.data() + i * componentBytes(type)));
     }
     return out;
 }
@@ -290,7 +252,7 @@ std::optional<SemanticValues> TileSemantics::values(const char* name, std::size_
     if (!offset) {
         throw BadContent{format_ + ": malformed " + name};
     }
-    out.bytes_ = binaryOf(name, *offset, count, std::uint64_t(components) * sizeOf(type));
+    out.bytes_ = binaryOf(name, *offset, count, std::uint64_t(components) * componentBytes(type));
     return out;
 }
 

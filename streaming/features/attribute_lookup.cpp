@@ -108,7 +108,7 @@ std::string plainText(std::string_view text) {
     return plain;
 }
 
-FoundAttribute findAttribute(const Feature& feature, std::span<const std::string_view> names) {
+FoundAttribute findAttribute(const Feature& feature, AttributeNames names) {
     FoundAttribute best;
     std::size_t bestRank = names.size();
     for (const auto& [name, value] : feature.attributes) {

@@ -13,14 +13,16 @@ namespace gnomon {
 // Lower-case letters and digits only, umlauts written out.
 std::string plainText(std::string_view text);
 
-// The first of `names` (plain, the best first) that the feature has with a value, also where a unit
-// follows the name ("hoehe_m") or a Shapefile cut it at ten characters ("kronendurc").
+using AttributeNames = std::span<const std::string_view>; // plain, the best first
+
+// The first of `names` that the feature has with a value, also where a unit follows the name
+// ("hoehe_m") or a Shapefile cut it at ten characters ("kronendurc").
 struct FoundAttribute {
     std::string_view name; // as the file spells it
     const AttributeValue* value = nullptr;
     explicit operator bool() const { return value != nullptr; }
 };
-FoundAttribute findAttribute(const Feature& feature, std::span<const std::string_view> names);
+FoundAttribute findAttribute(const Feature& feature, AttributeNames names);
 
 // 12.5, "12.5", "12,5 m", "40 ft", "6-9 m" (its middle); none for anything else.
 std::optional<double> metresIn(const AttributeValue& value);

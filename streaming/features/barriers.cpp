@@ -1,6 +1,7 @@
 #include "streaming/features/barriers.h"
 
 #include "streaming/features/barriers_solid.h"
+#include "streaming/features/feature_layer.h"
 #include "streaming/features/vertex_color.h"
 #include "streaming/split.h"
 
@@ -98,11 +99,8 @@ class BarrierMaker : public ContentMaker {
         TileContent content;
         content.materials.emplace_back();
         content.meshes = split(soup, cleaned, ecefFromTile, options.meshAxes);
+        content.facts = factsOf(cleaned);
         content.facts.format = "barriers";
-        content.facts.triangles = soup.triangles.size();
-        content.facts.closedTriangles = cleaned.closedTriangles;
-        content.facts.components = cleaned.components;
-        content.facts.closedComponents = cleaned.closedComponents;
         return content;
     }
     std::string describe(const std::string& path) const override { return name_ + ", " + path; }
@@ -168,8 +166,7 @@ std::vector<Standing> putUp(const std::vector<BarrierFacts>& barriers, const Gro
     for (const BarrierFacts& barrier : barriers) {
         Result<Solids> solids = solidsOf(barrier, ground);
         if (!solids) {
-            file.leftOut.push_back(
-                {"", "barrier " + barrier.id + " is left out: " + solids.error().reason});
+            leaveOutBarrier(file, barrier.id, solids.error().reason);
             continue;
         }
         Standing& group = groups[{barrier.from ? barrier.from->seconds : -kAlways,
@@ -207,20 +204,15 @@ Result<Barriers> Barriers::of(FeatureFile file, const std::string& name,
         group.tiles.tiles = maker->plan();
         group.tiles.maker = maker;
     }
-    for (std::size_t i = before; i < barriers.file.leftOut.size(); ++i)
-        barriers.file.leftOut[i].subject = name;
+    nameLeftOut(barriers.file, before, name);
     if (barriers.groups.empty())
-        return barriers.file.leftOut.empty() ? Error{name, "there are no barriers in it"}
-                                             : barriers.file.leftOut.back();
+        return nothingOf(barriers.file, name, "barriers");
     return barriers;
 }
 
 Result<Barriers> Barriers::open(const std::string& path, const BarrierOptions& options,
                                 const std::shared_ptr<const GroundHeights>& ground) {
-    Result<FeatureFile> file = readFeatures(path, options.source);
-    if (!file)
-        return file.error();
-    return of(std::move(*file), path, options, ground);
+    return openFeatureLayer<Barriers>(path, options, ground);
 }
 
 } // namespace gnomon

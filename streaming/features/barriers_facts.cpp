@@ -1,6 +1,7 @@
 #include "streaming/features/barriers_facts.h"
 
 #include "streaming/features/attribute_lookup.h"
+#include "streaming/features/measures.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +11,6 @@
 namespace gnomon {
 
 namespace {
-
-using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 14> kHeights = {
     "height", "wallheight", "hoehe",      "mauerhoehe", "h",          "crest",     "crestheight",
@@ -64,10 +63,6 @@ std::string isoTime(std::string text) {
     return text;
 }
 
-std::string counted(std::size_t count, const char* one, const char* many) {
-    return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 class Reader {
   public:
     Reader(FeatureFile& file, const BarrierOptions& options) : file_(file), options_(options) {}
@@ -81,7 +76,7 @@ class Reader {
 
   private:
     void leaveOut(const std::string& id, const std::string& why) {
-        file_.leftOut.push_back({"", "barrier " + id + " is left out: " + why});
+        leaveOutBarrier(file_, id, why);
     }
 
     void add(const Feature& feature) {
@@ -122,23 +117,10 @@ class Reader {
         barriers_.push_back(std::move(barrier));
     }
 
-    // A number by one of these names that may be meant; the name is kept for the notes.
-    std::optional<double> number(const Feature& feature, Names names, double least, double most,
-                                 std::set<std::string>& used) {
-        const FoundAttribute found = findAttribute(feature, names);
-        const std::optional<double> value = found ? metresIn(*found.value) : std::nullopt;
-        if (!value || *value < least || *value > most) {
-            unusable_ += found && !(value && *value == 0.0); // 0 is how files say: not known
-            return std::nullopt;
-        }
-        used.insert(std::string(found.name));
-        return value;
-    }
-
     void readWidth(const Feature& feature, BarrierFacts& barrier) {
         if (barrier.isArea)
             return;
-        const auto width = number(feature, kWidths, kLeastWidth, kMostWidth, widthNames_);
+        const auto width = measures_.find(feature, kWidths, kLeastWidth, kMostWidth, widthNames_);
         widthStated_ += !width && options_.widthMetres.has_value();
         widthAssumed_ += !width && !options_.widthMetres;
         barrier.widthMetres = width.value_or(options_.widthMetres.value_or(kDefaultWidth));
@@ -146,7 +128,7 @@ class Reader {
 
     void readCrest(const Feature& feature, BarrierFacts& barrier, glm::dvec2 lonLat) {
         if (const auto level =
-                number(feature, kLevels, kDeepestLevel, kHighestLevel, levelNames_)) {
+                measures_.find(feature, kLevels, kDeepestLevel, kHighestLevel, levelNames_)) {
             barrier.crest = CrestFrom::Level;
             barrier.metres = *level + options_.source.raiseMetres;
             if (options_.source.heights == Heights::Egm96)
@@ -155,7 +137,7 @@ class Reader {
             return;
         }
         if (const auto height =
-                number(feature, kHeights, kLeastHeight, kMostHeight, heightNames_)) {
+                measures_.find(feature, kHeights, kLeastHeight, kMostHeight, heightNames_)) {
             barrier.metres = *height;
             return;
         }
@@ -181,7 +163,7 @@ class Reader {
     }
 
     // False when the feature had to be left out. What it says itself wins over the options.
-    bool readTime(const Feature& feature, Names names, std::optional<UtcTime>& time) {
+    bool readTime(const Feature& feature, AttributeNames names, std::optional<UtcTime>& time) {
         const FoundAttribute found = findAttribute(feature, names);
         if (!found)
             return true;
@@ -204,20 +186,14 @@ class Reader {
         if (count > 0)
             file_.notes.push_back(counted(count, "barrier", "barriers") + " " + text);
     }
-    void noteUsed(const char* what, const std::set<std::string>& names) {
-        std::string list;
-        for (const std::string& name : names)
-            list += (list.empty() ? "\"" : "\", \"") + name;
-        if (!list.empty())
-            file_.notes.push_back(std::string(what) + " from " + list + "\"");
-    }
 
     void say() {
-        noteUsed("heights of barriers above the ground", heightNames_);
-        noteUsed(options_.source.heights == Heights::Egm96 ? "levels of crests above EGM96"
+        noteUsed(file_, "heights of barriers above the ground", heightNames_);
+        noteUsed(file_,
+                 options_.source.heights == Heights::Egm96 ? "levels of crests above EGM96"
                                                            : "levels of crests above the ellipsoid",
                  levelNames_);
-        noteUsed("widths of barriers", widthNames_);
+        noteUsed(file_, "widths of barriers", widthNames_);
         note(shaped_, "without a height, but with vertices that have one: that is the crest");
         note(heightStated_, "without a height: the one stated is taken");
         note(heightAssumed_, "without a height: 1.2 m above the ground are assumed");
@@ -226,10 +202,7 @@ class Reader {
         if (dates_ > 0)
             file_.notes.push_back(counted(dates_, "date", "dates") +
                                   " without a time of day: 00:00 UTC is taken");
-        if (unusable_ > 0)
-            file_.notes.push_back(counted(unusable_, "measure", "measures") +
-                                  " that no barrier has or that " +
-                                  (unusable_ == 1 ? "is" : "are") + " no number, taken as missing");
+        measures_.noteUnusable(file_, "no barrier has");
         if (others_ > 0)
             file_.leftOut.push_back({"", counted(others_, "feature is", "features are") +
                                              " neither line nor polygon, so " +
@@ -239,12 +212,17 @@ class Reader {
     FeatureFile& file_;
     const BarrierOptions& options_;
     std::vector<BarrierFacts> barriers_;
+    Measures measures_;
     std::set<std::string> heightNames_, levelNames_, widthNames_;
-    std::size_t others_ = 0, unusable_ = 0, dates_ = 0, shaped_ = 0, heightStated_ = 0,
-                heightAssumed_ = 0, widthStated_ = 0, widthAssumed_ = 0;
+    std::size_t others_ = 0, dates_ = 0, shaped_ = 0, heightStated_ = 0, heightAssumed_ = 0,
+                widthStated_ = 0, widthAssumed_ = 0;
 };
 
 } // namespace
+
+void leaveOutBarrier(FeatureFile& file, const std::string& id, const std::string& why) {
+    file.leftOut.push_back({"", "barrier " + id + " is left out: " + why});
+}
 
 std::vector<BarrierFacts> barriersOf(FeatureFile& file, const BarrierOptions& options) {
     return Reader(file, options).run();

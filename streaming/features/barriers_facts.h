@@ -31,4 +31,7 @@ struct BarrierFacts {
 // One for each line and each polygon; notes and what is left out go into `file`.
 std::vector<BarrierFacts> barriersOf(FeatureFile& file, const BarrierOptions& options);
 
+// Says so in `file`.
+void leaveOutBarrier(FeatureFile& file, const std::string& id, const std::string& why);
+
 } // namespace gnomon

@@ -1,6 +1,7 @@
 #include "streaming/features/buildings.h"
 
 #include "streaming/features/buildings_model.h"
+#include "streaming/features/feature_layer.h"
 #include "streaming/split.h"
 
 #include <algorithm>
@@ -187,20 +188,12 @@ class BuildingSet {
     }
 
     static TileContent contentOf(const BuildingTriangles& triangles, const DecodeOptions& options) {
-        const CleanSoup& cleaned = triangles.clean;
         TileContent content;
-        content.meshes = split(triangles.soup, cleaned, triangles.ecefFromTile, options.meshAxes);
+        content.meshes =
+            split(triangles.soup, triangles.clean, triangles.ecefFromTile, options.meshAxes);
         content.materials.emplace_back();
-        ContentFacts& facts = content.facts;
-        facts.format = "buildings";
-        facts.triangles = cleaned.triangles.size();
-        facts.duplicates = cleaned.duplicates;
-        facts.degenerate = cleaned.degenerate;
-        facts.invalid = cleaned.invalid;
-        facts.closedTriangles = cleaned.closedTriangles;
-        facts.components = cleaned.components;
-        facts.closedComponents = cleaned.closedComponents;
-        facts.areaVector = cleaned.areaVector;
+        content.facts = factsOf(triangles.clean);
+        content.facts.format = "buildings";
         return content;
     }
 
@@ -279,10 +272,7 @@ Buildings::of(FeatureFile file, const std::string& name, const BuildingOptions& 
 Result<std::shared_ptr<const Buildings>>
 Buildings::open(const std::string& path, const BuildingOptions& options,
                 const std::shared_ptr<const GroundHeights>& ground) {
-    Result<FeatureFile> file = readFeatures(path, options.source);
-    if (!file)
-        return file.error();
-    return of(std::move(*file), path, options, ground);
+    return openFeatureLayer<Buildings>(path, options, ground);
 }
 
 } // namespace gnomon

@@ -7,13 +7,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <span>
 
 namespace gnomon {
 
 namespace {
-
-using Names = std::span<const std::string_view>;
 
 // OpenStreetMap, CityGML and CityJSON, ALKIS, BD TOPO, OS, and what people call it. All as
 // plainText gives them.
@@ -102,7 +99,8 @@ class Finder {
             return Stated{roof->metres - foot->metres, roof->from + " - " + foot->from};
         return number(feature, kLevels, kMetresPerLevel);
     }
-    static std::optional<Stated> number(const Feature& feature, Names names, double scale) {
+    static std::optional<Stated> number(const Feature& feature, AttributeNames names,
+                                        double scale) {
         const FoundAttribute found = findAttribute(feature, names);
         const auto value = found ? metresIn(*found.value) : std::nullopt;
         if (!value)

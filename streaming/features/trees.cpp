@@ -1,5 +1,6 @@
 #include "streaming/features/trees.h"
 
+#include "streaming/features/feature_layer.h"
 #include "streaming/features/trees_facts.h"
 #include "streaming/features/vertex_color.h"
 
@@ -326,24 +327,19 @@ Result<Trees> Trees::of(FeatureFile file, const std::string& name, const TreeOpt
     trees.file = std::move(file);
     const std::size_t before = trees.file.leftOut.size();
     std::vector<TreeFacts> all = treesOf(trees.file, options, ground);
-    for (std::size_t i = before; i < trees.file.leftOut.size(); ++i)
-        trees.file.leftOut[i].subject = name;
+    nameLeftOut(trees.file, before, name);
     trees.file.features.clear();
     trees.file.features.shrink_to_fit();
     trees.count = all.size();
     if (all.empty())
-        return trees.file.leftOut.empty() ? Error{name, "there are no trees in it"}
-                                          : trees.file.leftOut.back();
+        return nothingOf(trees.file, name, "trees");
     trees.tiles = tilesOf(name, std::move(all));
     return trees;
 }
 
 Result<Trees> Trees::open(const std::string& path, const TreeOptions& options,
                           const std::shared_ptr<const GroundHeights>& ground) {
-    Result<FeatureFile> file = readFeatures(path, options.source);
-    if (!file)
-        return file.error();
-    return of(std::move(*file), path, options, ground);
+    return openFeatureLayer<Trees>(path, options, ground);
 }
 
 } // namespace gnomon

@@ -1,6 +1,7 @@
 #include "streaming/features/trees_facts.h"
 
 #include "streaming/features/attribute_lookup.h"
+#include "streaming/features/measures.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +11,6 @@
 namespace gnomon {
 
 namespace {
-
-using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 16> kHeights = {
     "height",    "treeheight",  "hoehe",      "baumhoehe",   "h",           "hauteur",
@@ -101,10 +100,6 @@ std::uint64_t seedOf(const std::string& id, glm::dvec2 lonLat) {
     return hash;
 }
 
-std::string counted(std::size_t count, const char* one, const char* many) {
-    return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 class Reader {
   public:
     Reader(FeatureFile& file, const TreeOptions& options) : file_(file), options_(options) {}
@@ -147,19 +142,6 @@ class Reader {
         return places;
     }
 
-    // A length by one of these names, `scale` of it, when it is one a tree may have.
-    std::optional<double> length(const Feature& feature, Names names, double scale, double least,
-                                 double most, std::set<std::string>& used) {
-        const FoundAttribute found = findAttribute(feature, names);
-        const std::optional<double> metres = found ? metresIn(*found.value) : std::nullopt;
-        if (!metres || *metres * scale < least || *metres * scale > most) {
-            unusable_ += found && !(metres && *metres == 0.0); // 0 is how files say: not known
-            return std::nullopt;
-        }
-        used.insert(std::string(found.name));
-        return *metres * scale;
-    }
-
     // All of the feature's points are such trees.
     TreeFacts measured(const Feature& feature, std::size_t count) {
         TreeFacts tree;
@@ -167,11 +149,12 @@ class Reader {
         needles_ += tree.form == TreeForm::Needle ? count : 0;
         const double aspect = usualCrownRadius(tree.form);
         std::optional<double> height =
-            length(feature, kHeights, 1.0, kLeastHeight, kMostHeight, heightNames_);
+            measures_.find(feature, kHeights, kLeastHeight, kMostHeight, heightNames_);
         std::optional<double> radius =
-            length(feature, kRadii, 1.0, kLeastRadius, kMostRadius, crownNames_);
+            measures_.find(feature, kRadii, kLeastRadius, kMostRadius, crownNames_);
         if (!radius)
-            radius = length(feature, kDiameters, 0.5, kLeastRadius, kMostRadius, crownNames_);
+            radius =
+                measures_.find(feature, kDiameters, kLeastRadius, kMostRadius, crownNames_, 0.5);
         if (!height && options_.heightMetres) {
             height = options_.heightMetres;
             heightStated_ += count;
@@ -216,28 +199,16 @@ class Reader {
             file_.notes.push_back(counted(count, "tree", "trees") + " " + text);
     }
 
-    void noteUsed(const char* what, const std::set<std::string>& names) {
-        std::string list;
-        for (const std::string& name : names)
-            list += (list.empty() ? "\"" : "\", \"") + name;
-        if (!list.empty())
-            file_.notes.push_back(std::string(what) + " from " + list + "\"");
-    }
-
     void say() {
-        noteUsed("heights of trees", heightNames_);
-        noteUsed("crowns", crownNames_);
+        noteUsed(file_, "heights of trees", heightNames_);
+        noteUsed(file_, "crowns", crownNames_);
         note(heightStated_, "without a height: the one stated is taken");
         note(heightFromCrown_, "without a height: taken from how wide the crown is");
         note(heightAssumed_, "without a height: 8 m are assumed");
         note(crownFromHeight_, "without a crown's width: taken from the height (radius 0.34 of it, "
                                "needle-leaved 0.22)");
         note(needles_, "needle-leaved, by the attributes");
-        if (unusable_ > 0)
-            file_.notes.push_back(counted(unusable_, "measure", "measures") +
-                                  " that no tree has (height 0.3 to 130 m, crown up to 80 m) or "
-                                  "that " +
-                                  (unusable_ == 1 ? "is" : "are") + " no number, taken as missing");
+        measures_.noteUnusable(file_, "no tree has (height 0.3 to 130 m, crown up to 80 m)");
         if (nowhere_ > 0)
             leaveOut(counted(nowhere_, "point is", "points are") + " not on the Earth, so " +
                      (nowhere_ == 1 ? "it is" : "they are") + " left out");
@@ -249,9 +220,10 @@ class Reader {
     FeatureFile& file_;
     const TreeOptions& options_;
     std::vector<TreeFacts> trees_;
+    Measures measures_;
     std::set<std::string> heightNames_, crownNames_;
-    std::size_t others_ = 0, nowhere_ = 0, needles_ = 0, unusable_ = 0, heightStated_ = 0,
-                heightFromCrown_ = 0, heightAssumed_ = 0, crownFromHeight_ = 0;
+    std::size_t others_ = 0, nowhere_ = 0, needles_ = 0, heightStated_ = 0, heightFromCrown_ = 0,
+                heightAssumed_ = 0, crownFromHeight_ = 0;
 };
 
 } // namespace

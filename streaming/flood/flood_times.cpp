@@ -1,9 +1,9 @@
 #include "streaming/flood/flood_times.h"
 
+#include "streaming/flood/lower_case.h"
 #include "streaming/flood/unstructured_time.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
@@ -62,9 +62,7 @@ void takeDurations(std::string& text, std::vector<double>& durations) {
 
 NameTimes timesIn(const std::string& name) {
     constexpr std::size_t kLongest = 255;
-    std::string text = name.substr(name.size() > kLongest ? name.size() - kLongest : 0);
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
+    std::string text = lower(name.substr(name.size() > kLongest ? name.size() - kLongest : 0));
     NameTimes times;
     times.moment = takeMoment(text);
     takeDurations(text, times.durations);

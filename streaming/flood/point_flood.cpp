@@ -1,6 +1,7 @@
 #include "streaming/flood/point_flood.h"
 
 #include "geo/ellipsoid.h"
+#include "streaming/flood/lower_case.h"
 #include "streaming/flood/point_flood_table.h"
 #include "streaming/flood/unstructured_place.h"
 #include "streaming/terrain/ground_heights.h"
@@ -411,10 +412,7 @@ Result<std::shared_ptr<const FloodData>> openPointFlood(const std::string& path,
     flood->path = path;
     flood->crs = *crs;
     flood->notes = std::move(table->notes);
-    std::string column = table->column;
-    std::transform(column.begin(), column.end(), column.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    const bool depth = column.find("depth") != std::string::npos;
+    const bool depth = lower(table->column).find("depth") != std::string::npos;
     flood->kind_ = options.kind.value_or(depth ? WaterKind::Depth : WaterKind::Stage);
 
     std::vector<glm::dvec2> positions;

@@ -1,12 +1,12 @@
 #include "streaming/flood/point_flood_table.h"
 
+#include "streaming/flood/lower_case.h"
 #include "streaming/terrain/gdal_quiet.h"
 
 #include <ogrsf_frmts.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -20,13 +20,6 @@ namespace {
 
 // Gauges and marks are seen by people: a larger table is something else.
 constexpr std::uintmax_t kMostBytes = 16u << 20;
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    std::transform(out.begin(), out.end(), out.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return out;
-}
 
 std::string trimmed(std::string_view text) {
     constexpr std::string_view kSpace = " \t\r\n";

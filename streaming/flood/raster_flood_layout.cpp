@@ -1,84 +1,53 @@
 #include "streaming/flood/raster_flood_layout.h"
 
+#include "streaming/flood/lower_case.h"
 #include "streaming/flood/unstructured_time.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <tuple>
 
 namespace gnomon {
 
 namespace {
 
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return text;
-}
-
-struct NamedRole {
-    const char* name;
-    GridRole role;
-};
-
-constexpr std::array kStandardNames = std::to_array<NamedRole>({
-    {"sea_surface_height", GridRole::Stage},
-    {"sea_surface_elevation", GridRole::Stage},
-    {"sea_surface_height_above_geoid", GridRole::Stage},
-    {"sea_surface_height_above_mean_sea_level", GridRole::Stage},
-    {"sea_surface_height_above_reference_ellipsoid", GridRole::Stage},
-    {"water_surface_height_above_reference_datum", GridRole::Stage},
-    {"water_surface_elevation", GridRole::Stage},
-    {"water_level", GridRole::Stage},
-    {"sea_floor_depth_below_sea_surface", GridRole::Depth},
-    {"flood_water_thickness", GridRole::Depth},
-    {"water_depth", GridRole::Depth},
-    {"depth", GridRole::Depth},
-    {"altitude", GridRole::Bed},
-    {"surface_altitude", GridRole::Bed},
-    {"bed_level", GridRole::Bed},
-    {"ground_surface_altitude", GridRole::Bed},
-    {"sea_floor_altitude", GridRole::Bed},
-    {"height_above_reference_ellipsoid", GridRole::Bed},
-    {"sea_water_x_velocity", GridRole::VelocityX},
-    {"eastward_sea_water_velocity", GridRole::VelocityX},
-    {"sea_water_y_velocity", GridRole::VelocityY},
-    {"northward_sea_water_velocity", GridRole::VelocityY},
+// Those that maps have besides.
+constexpr std::array kMapStandardNames = std::to_array<NamedRole>({
+    {"flood_water_thickness", WaterRole::Depth},
+    {"surface_altitude", WaterRole::Bed},
 });
 
 // As models write them; the surest first.
 constexpr std::array kNames = std::to_array<NamedRole>({
-    {"zs", GridRole::Stage},      {"zsmax", GridRole::Stage}, {"s1", GridRole::Stage},
-    {"stage", GridRole::Stage},   {"wse", GridRole::Stage},   {"wsl", GridRole::Stage},
-    {"eta", GridRole::Stage},     {"zeta", GridRole::Stage},  {"h", GridRole::Depth},
-    {"hmax", GridRole::Depth},    {"d", GridRole::Depth},     {"zb", GridRole::Bed},
-    {"dem", GridRole::Bed},       {"dtm", GridRole::Bed},     {"z", GridRole::Bed},
-    {"u", GridRole::VelocityX},   {"v", GridRole::VelocityY}, {"ucx", GridRole::VelocityX},
-    {"ucy", GridRole::VelocityY},
+    {"zs", WaterRole::Stage},      {"zsmax", WaterRole::Stage}, {"s1", WaterRole::Stage},
+    {"stage", WaterRole::Stage},   {"wse", WaterRole::Stage},   {"wsl", WaterRole::Stage},
+    {"eta", WaterRole::Stage},     {"zeta", WaterRole::Stage},  {"h", WaterRole::Depth},
+    {"hmax", WaterRole::Depth},    {"d", WaterRole::Depth},     {"zb", WaterRole::Bed},
+    {"dem", WaterRole::Bed},       {"dtm", WaterRole::Bed},     {"z", WaterRole::Bed},
+    {"u", WaterRole::VelocityX},   {"v", WaterRole::VelocityY}, {"ucx", WaterRole::VelocityX},
+    {"ucy", WaterRole::VelocityY},
 });
 
 // What long and short names speak of, with '_' for ' '.
 constexpr std::array kWords = std::to_array<NamedRole>({
-    {"water_level", GridRole::Stage},
-    {"waterlevel", GridRole::Stage},
-    {"water_surface", GridRole::Stage},
-    {"surface_elevation", GridRole::Stage},
-    {"sea_surface_height", GridRole::Stage},
-    {"water_depth", GridRole::Depth},
-    {"waterdepth", GridRole::Depth},
-    {"flood_depth", GridRole::Depth},
-    {"inundation", GridRole::Depth},
-    {"bed_level", GridRole::Bed},
-    {"bedlevel", GridRole::Bed},
-    {"bed_elevation", GridRole::Bed},
-    {"topography", GridRole::Bed},
-    {"bathymetry", GridRole::Bed},
-    {"elevation", GridRole::Bed},
-    {"stage", GridRole::Stage},
-    {"depth", GridRole::Depth},
+    {"water_level", WaterRole::Stage},
+    {"waterlevel", WaterRole::Stage},
+    {"water_surface", WaterRole::Stage},
+    {"surface_elevation", WaterRole::Stage},
+    {"sea_surface_height", WaterRole::Stage},
+    {"water_depth", WaterRole::Depth},
+    {"waterdepth", WaterRole::Depth},
+    {"flood_depth", WaterRole::Depth},
+    {"inundation", WaterRole::Depth},
+    {"bed_level", WaterRole::Bed},
+    {"bedlevel", WaterRole::Bed},
+    {"bed_elevation", WaterRole::Bed},
+    {"topography", WaterRole::Bed},
+    {"bathymetry", WaterRole::Bed},
+    {"elevation", WaterRole::Bed},
+    {"stage", WaterRole::Stage},
+    {"depth", WaterRole::Depth},
 });
 
 // Depths of something else.
@@ -106,25 +75,25 @@ void findRole(GridVariable& field) {
     field.isMaximum =
         (standard + words).find("max") != std::string::npos ||
         lower(field.variable.text("cell_methods").value_or("")).find("max") != std::string::npos;
-    for (std::size_t i = 0; i < kStandardNames.size(); ++i)
-        if (standard == kStandardNames[i].name) {
-            field.role = kStandardNames[i].role;
-            field.rank = 0;
-            field.because = "standard name " + standard;
-            field.isEastNorth =
-                standard.starts_with("eastward") || standard.starts_with("northward");
-            return;
-        }
+    const NamedRole* known = findName(standardNames(), standard);
+    if (known == nullptr)
+        known = findName(kMapStandardNames, standard);
+    if (known != nullptr) {
+        field.role = known->role;
+        field.rank = 0;
+        field.because = "standard name " + standard;
+        field.isEastNorth = standard.starts_with("eastward") || standard.starts_with("northward");
+        return;
+    }
     if (std::any_of(kOtherWords.begin(), kOtherWords.end(),
                     [&](const char* w) { return words.find(w) != std::string::npos; }))
         return;
-    for (std::size_t i = 0; i < kNames.size(); ++i)
-        if (name == kNames[i].name) {
-            field.role = kNames[i].role;
-            field.rank = 1;
-            field.because = "its name";
-            return;
-        }
+    if (const NamedRole* usual = findName(kNames, name)) {
+        field.role = usual->role;
+        field.rank = 1;
+        field.because = "its name";
+        return;
+    }
     for (const NamedRole& word : kWords)
         if (words.find(word.name) != std::string::npos) {
             field.role = word.role;
@@ -192,7 +161,7 @@ bool holdsWater(const GridVariable& field) {
             if (!values)
                 return true; // reading it for good tells what is wrong
             for (const float v : *values)
-                if (std::isfinite(v) && (field.role == GridRole::Depth ? v > 0.0f : v != 0.0f))
+                if (std::isfinite(v) && (field.role == WaterRole::Depth ? v > 0.0f : v != 0.0f))
                     return true;
         }
     }
@@ -257,12 +226,14 @@ Result<GridVariable> chooseWater(const ArrayFile& file, const std::vector<GridVa
     }
     std::vector<const GridVariable*> waters;
     for (const GridVariable& v : variables)
-        if ((v.role == GridRole::Stage || v.role == GridRole::Depth) && isLength(v.variable.unit()))
+        if ((v.role == WaterRole::Stage || v.role == WaterRole::Depth) &&
+            isLength(v.variable.unit()))
             waters.push_back(&v);
     const auto order = [&](const GridVariable* v) {
         const bool asked =
-            !options.kind || (v->role == GridRole::Depth) == (*options.kind == WaterKind::Depth);
-        return std::tuple(!asked, v->steps == 1, v->isMaximum, v->rank, v->role == GridRole::Depth);
+            !options.kind || (v->role == WaterRole::Depth) == (*options.kind == WaterKind::Depth);
+        return std::tuple(!asked, v->steps == 1, v->isMaximum, v->rank,
+                          v->role == WaterRole::Depth);
     };
     std::stable_sort(waters.begin(), waters.end(),
                      [&](const auto* a, const auto* b) { return order(a) < order(b); });
@@ -272,7 +243,8 @@ Result<GridVariable> chooseWater(const ArrayFile& file, const std::vector<GridVa
             continue;
         }
         notes.push_back("of its variables '" + shortened(v->variable.name()) + "' is shown, as " +
-                        (v->role == GridRole::Depth ? "depth" : "level") + " (" + v->because + ")");
+                        (v->role == WaterRole::Depth ? "depth" : "level") + " (" + v->because +
+                        ")");
         return *v;
     }
     // A file of one variable, whatever it is called.
@@ -295,9 +267,9 @@ Result<GridFields> chooseGridFields(const ArrayFile& file, const FloodOptions& o
     if (!water)
         return water.error();
     GridFields fields{std::move(*water), WaterKind::Stage, {}, {}, {}};
-    const GridRole role = fields.water.role;
-    if (role == GridRole::Stage || role == GridRole::Depth) {
-        fields.kind = role == GridRole::Depth ? WaterKind::Depth : WaterKind::Stage;
+    const WaterRole role = fields.water.role;
+    if (role == WaterRole::Stage || role == WaterRole::Depth) {
+        fields.kind = role == WaterRole::Depth ? WaterKind::Depth : WaterKind::Stage;
         if (options.kind && *options.kind != fields.kind)
             notes.push_back("'" + fields.water.variable.name() + "' is no " + word(*options.kind) +
                             " but a " + word(fields.kind) + " (" + fields.water.because +
@@ -317,11 +289,11 @@ Result<GridFields> chooseGridFields(const ArrayFile& file, const FloodOptions& o
             if (!slot || v.rank < slot->rank)
                 slot = v;
         };
-        if (v.role == GridRole::Bed && v.steps == 1 && isLength(v.variable.unit()))
+        if (v.role == WaterRole::Bed && v.steps == 1 && isLength(v.variable.unit()))
             better(fields.bed);
-        else if (v.role == GridRole::VelocityX && v.steps == fields.water.steps)
+        else if (v.role == WaterRole::VelocityX && v.steps == fields.water.steps)
             better(fields.velocityX);
-        else if (v.role == GridRole::VelocityY && v.steps == fields.water.steps)
+        else if (v.role == WaterRole::VelocityY && v.steps == fields.water.steps)
             better(fields.velocityY);
     }
     if (fields.bed)
@@ -413,18 +385,10 @@ Result<GridCoordinates> findGridCoordinates(const ArrayFile& file, const GridVar
 namespace {
 
 // 0: it has an attribute for it, and there is no system in it.
-std::optional<long> epsgIn(const ArrayVariable& variable) {
-    for (const char* name : {"EPSG_code", "epsg_code", "EPSG", "epsg"}) {
-        std::string code;
-        if (const auto number = variable.number(name))
-            code = std::to_string(std::int64_t(std::clamp(*number, 0.0, 1e9)));
-        else if (const auto text = variable.text(name))
-            code = *text;
-        else
-            continue;
-        const std::string digits = code.substr(code.find_last_of(": ") + 1); // npos + 1 is 0
-        return std::max(std::strtol(digits.c_str(), nullptr, 10), 0l);
-    }
+std::optional<long> firstEpsgIn(const ArrayVariable& variable) {
+    for (const char* attribute : kEpsgAttributes)
+        if (const auto code = epsgIn(variable, attribute))
+            return code;
     return std::nullopt;
 }
 
@@ -437,26 +401,24 @@ std::optional<std::string> findGridCrs(const ArrayFile& file, const GridVariable
         const auto variable = file.find("", name);
         if (!variable)
             continue;
-        if (const auto code = epsgIn(*variable); code && *code > 0)
+        if (const auto code = firstEpsgIn(*variable); code && *code > 0)
             return "EPSG:" + std::to_string(*code);
-        for (const char* attribute : {"crs_wkt", "spatial_ref", "wkt"})
-            if (const auto text = variable->text(attribute);
-                text && text->find('[') != std::string::npos)
-                return text;
+        if (auto text = systemTextIn(*variable))
+            return text;
     }
-    for (const char* attribute : {"EPSG_code", "epsg_code", "EPSG", "epsg"})
+    for (const char* attribute : kEpsgAttributes)
         if (const auto code = file.number("", attribute); code && *code > 0 && *code < 1e6)
             return "EPSG:" + std::to_string(long(*code));
     return std::nullopt;
 }
 
 bool saysCrsZero(const ArrayFile& file) {
-    for (const char* attribute : {"EPSG_code", "epsg_code", "EPSG", "epsg"})
+    for (const char* attribute : kEpsgAttributes)
         if (const auto code = file.number("", attribute); code && *code == 0)
             return true;
     for (const std::string& name : file.arrays(""))
         if (const auto variable = file.find("", name))
-            if (const auto code = epsgIn(*variable); code && *code == 0)
+            if (const auto code = firstEpsgIn(*variable); code && *code == 0)
                 return true;
     return false;
 }

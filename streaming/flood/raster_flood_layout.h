@@ -5,6 +5,7 @@
 
 #include "streaming/flood/flood.h"
 #include "streaming/flood/unstructured_arrays.h"
+#include "streaming/flood/water_variables.h"
 
 #include <optional>
 #include <string>
@@ -12,11 +13,9 @@
 
 namespace gnomon {
 
-enum class GridRole { Stage, Depth, Bed, VelocityX, VelocityY, None };
-
 struct GridVariable {
     ArrayVariable variable;
-    GridRole role = GridRole::None;
+    WaterRole role = WaterRole::None;
     int rank = 0; // smaller is surer
     bool isMaximum = false;
     bool isEastNorth = false;          // of a velocity: not along the grid's own axes

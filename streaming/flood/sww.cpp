@@ -1,5 +1,7 @@
 #include "streaming/flood/sww.h"
 
+#include "streaming/flood/lower_case.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -252,13 +254,11 @@ void SwwFile::findCrs() {
     const double zone = file_.number("", "zone").value_or(-1.0);
     if (!(zone >= 1.0 && zone <= 60.0))
         return;
-    std::string datum = file_.text("", "datum").value_or("wgs84");
+    const std::string datum = lower(file_.text("", "datum").value_or("wgs84"));
     const std::string hemisphere = file_.text("", "hemisphere").value_or("");
     const bool south =
         hemisphere == "southern" ||
         (hemisphere.empty() && file_.number("", "false_northing").value_or(0.0) > 0.0);
-    std::transform(datum.begin(), datum.end(), datum.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
     int code = (south ? 32700 : 32600) + int(zone);
     if (datum == "gda94" && zone >= 48.0 && zone <= 58.0)
         code = 28300 + int(zone);

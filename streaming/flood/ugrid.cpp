@@ -28,7 +28,7 @@ class UgridFile final : public MeshFile {
     void meanOfCorners(const std::vector<float>& atNodes);
     void findVelocity();
     std::string list() const;
-    const UgridField* best(UgridRole role, bool atWater = false) const;
+    const UgridField* best(WaterRole role, bool atWater = false) const;
     Result<std::vector<float>> metres(const ArrayVariable& variable, std::size_t step) const;
     Error broken(const std::string& why) const { return {file_.path(), why}; }
 
@@ -48,7 +48,7 @@ std::string UgridFile::list() const {
 }
 
 // The surest field of a role; with `atWater` one that has its values where the water has.
-const UgridField* UgridFile::best(UgridRole role, bool atWater) const {
+const UgridField* UgridFile::best(WaterRole role, bool atWater) const {
     const UgridField* found = nullptr;
     for (const UgridField& field : fields_)
         if (field.role == role && (!atWater || field.at == water_.at)) {
@@ -132,15 +132,15 @@ Failure UgridFile::chooseWater(const FloodOptions& options) {
                           "' on its nodes or faces; it "
                           "has " +
                           list());
-        const bool known = chosen->role == UgridRole::Stage || chosen->role == UgridRole::Depth;
+        const bool known = chosen->role == WaterRole::Stage || chosen->role == WaterRole::Depth;
         if (!options.kind && !known)
             return broken("'" + *options.variable +
                           "' may be a depth or a level: say which (depth= or stage=)");
-        kind = options.kind.value_or(chosen->role == UgridRole::Depth ? WaterKind::Depth
+        kind = options.kind.value_or(chosen->role == WaterRole::Depth ? WaterKind::Depth
                                                                       : WaterKind::Stage);
     } else {
-        const UgridField* stage = best(UgridRole::Stage);
-        const UgridField* depth = best(UgridRole::Depth);
+        const UgridField* stage = best(WaterRole::Stage);
+        const UgridField* depth = best(WaterRole::Depth);
         chosen = stage != nullptr ? stage : depth;
         if (options.kind)
             chosen = *options.kind == WaterKind::Depth ? depth : stage;
@@ -152,7 +152,7 @@ Failure UgridFile::chooseWater(const FloodOptions& options) {
                            : *options.kind == WaterKind::Depth ? "depth"
                                                                : "level") +
                           " that is known by its name: choose with variable; it has " + list());
-        kind = chosen->role == UgridRole::Depth ? WaterKind::Depth : WaterKind::Stage;
+        kind = chosen->role == WaterRole::Depth ? WaterKind::Depth : WaterKind::Stage;
     }
     water_ = *chosen;
     at = water_.at;
@@ -221,8 +221,8 @@ void UgridFile::meanOfCorners(const std::vector<float>& atNodes) {
 // Where the file has both level and depth, the bed is between them; as many steps are read as it
 // takes until all places were wet once.
 Failure UgridFile::bedFromDepth() {
-    const UgridField* stage = best(UgridRole::Stage, true);
-    const UgridField* depth = best(UgridRole::Depth, true);
+    const UgridField* stage = best(WaterRole::Stage, true);
+    const UgridField* depth = best(WaterRole::Depth, true);
     if (stage == nullptr || depth == nullptr || stage->changes != depth->changes)
         return {};
     constexpr std::size_t kMostSteps = 16;
@@ -245,8 +245,8 @@ Failure UgridFile::bedFromDepth() {
 }
 
 Failure UgridFile::readBed() {
-    const UgridField* here = best(UgridRole::Bed, true);
-    const UgridField* anywhere = best(UgridRole::Bed);
+    const UgridField* here = best(WaterRole::Bed, true);
+    const UgridField* anywhere = best(WaterRole::Bed);
     const UgridField* from = here != nullptr ? here : anywhere;
     const bool fromNodes = here == nullptr && from != nullptr && at == ValuesAt::Faces;
     if (from == nullptr || (here == nullptr && !fromNodes))
@@ -269,8 +269,8 @@ Failure UgridFile::readBed() {
 }
 
 void UgridFile::findVelocity() {
-    const UgridField* u = best(UgridRole::VelocityX, true);
-    const UgridField* v = best(UgridRole::VelocityY, true);
+    const UgridField* u = best(WaterRole::VelocityX, true);
+    const UgridField* v = best(WaterRole::VelocityY, true);
     const auto fits = [&](const UgridField* field) {
         return field != nullptr && field->changes == water_.changes &&
                field->variable.dimensions().front().size ==

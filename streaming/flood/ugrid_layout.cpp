@@ -1,104 +1,66 @@
 #include "streaming/flood/ugrid_layout.h"
 
-#include <algorithm>
+#include "streaming/flood/lower_case.h"
+
 #include <array>
-#include <cctype>
-#include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 namespace gnomon {
 
 namespace {
 
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return text;
-}
-
-struct NamedRole {
-    const char* name;
-    UgridRole role;
-};
-
-constexpr std::array kStandardNames = std::to_array<NamedRole>({
-    {"sea_surface_height", UgridRole::Stage},
-    {"sea_surface_elevation", UgridRole::Stage},
-    {"sea_surface_height_above_geoid", UgridRole::Stage},
-    {"sea_surface_height_above_mean_sea_level", UgridRole::Stage},
-    {"sea_surface_height_above_reference_ellipsoid", UgridRole::Stage},
-    {"water_surface_height_above_reference_datum", UgridRole::Stage},
-    {"water_surface_elevation", UgridRole::Stage},
-    {"water_level", UgridRole::Stage},
-    {"sea_floor_depth_below_sea_surface", UgridRole::Depth},
-    {"water_depth", UgridRole::Depth},
-    {"depth", UgridRole::Depth},
-    {"altitude", UgridRole::Bed},
-    {"bed_level", UgridRole::Bed},
-    {"ground_surface_altitude", UgridRole::Bed},
-    {"sea_floor_altitude", UgridRole::Bed},
-    {"height_above_reference_ellipsoid", UgridRole::Bed},
-    {"sea_water_x_velocity", UgridRole::VelocityX},
-    {"eastward_sea_water_velocity", UgridRole::VelocityX},
-    {"sea_water_y_velocity", UgridRole::VelocityY},
-    {"northward_sea_water_velocity", UgridRole::VelocityY},
-});
-
 // After a prefix such as "mesh2d_" is taken off; in order, the surest first.
 constexpr std::array kNames = std::to_array<NamedRole>({
-    {"s1", UgridRole::Stage},
-    {"zs", UgridRole::Stage},
-    {"waterlevel", UgridRole::Stage},
-    {"water_level", UgridRole::Stage},
-    {"stage", UgridRole::Stage},
-    {"wse", UgridRole::Stage},
-    {"water_surface", UgridRole::Stage},
-    {"eta", UgridRole::Stage},
-    {"zeta", UgridRole::Stage},
-    {"zsmax", UgridRole::Stage},
-    {"waterdepth", UgridRole::Depth},
-    {"water_depth", UgridRole::Depth},
-    {"depth", UgridRole::Depth},
-    {"h", UgridRole::Depth},
-    {"hmax", UgridRole::Depth},
-    {"flowelem_bl", UgridRole::Bed},
-    {"zb", UgridRole::Bed},
-    {"bed", UgridRole::Bed},
-    {"bed_level", UgridRole::Bed},
-    {"bedlevel", UgridRole::Bed},
-    {"node_z", UgridRole::Bed},
-    {"face_z", UgridRole::Bed},
-    {"elevation", UgridRole::Bed},
-    {"z", UgridRole::Bed},
-    {"ucx", UgridRole::VelocityX},
-    {"ucy", UgridRole::VelocityY},
-    {"u", UgridRole::VelocityX},
-    {"v", UgridRole::VelocityY},
-    {"velocity_x", UgridRole::VelocityX},
-    {"velocity_y", UgridRole::VelocityY},
+    {"s1", WaterRole::Stage},
+    {"zs", WaterRole::Stage},
+    {"waterlevel", WaterRole::Stage},
+    {"water_level", WaterRole::Stage},
+    {"stage", WaterRole::Stage},
+    {"wse", WaterRole::Stage},
+    {"water_surface", WaterRole::Stage},
+    {"eta", WaterRole::Stage},
+    {"zeta", WaterRole::Stage},
+    {"zsmax", WaterRole::Stage},
+    {"waterdepth", WaterRole::Depth},
+    {"water_depth", WaterRole::Depth},
+    {"depth", WaterRole::Depth},
+    {"h", WaterRole::Depth},
+    {"hmax", WaterRole::Depth},
+    {"flowelem_bl", WaterRole::Bed},
+    {"zb", WaterRole::Bed},
+    {"bed", WaterRole::Bed},
+    {"bed_level", WaterRole::Bed},
+    {"bedlevel", WaterRole::Bed},
+    {"node_z", WaterRole::Bed},
+    {"face_z", WaterRole::Bed},
+    {"elevation", WaterRole::Bed},
+    {"z", WaterRole::Bed},
+    {"ucx", WaterRole::VelocityX},
+    {"ucy", WaterRole::VelocityY},
+    {"u", WaterRole::VelocityX},
+    {"v", WaterRole::VelocityY},
+    {"velocity_x", WaterRole::VelocityX},
+    {"velocity_y", WaterRole::VelocityY},
 });
 
 // TUFLOW FV's: there H is the level.
 constexpr std::array kTuflowNames = std::to_array<NamedRole>({
-    {"h", UgridRole::Stage},
-    {"d", UgridRole::Depth},
-    {"cell_zb", UgridRole::Bed},
-    {"node_zb", UgridRole::Bed},
-    {"v_x", UgridRole::VelocityX},
-    {"v_y", UgridRole::VelocityY},
+    {"h", WaterRole::Stage},
+    {"d", WaterRole::Depth},
+    {"cell_zb", WaterRole::Bed},
+    {"node_zb", WaterRole::Bed},
+    {"v_x", WaterRole::VelocityX},
+    {"v_y", WaterRole::VelocityY},
 });
 
-template <std::size_t N>
-bool findIn(const std::array<NamedRole, N>& table, const std::string& name, int firstRank,
+bool findIn(std::span<const NamedRole> table, const std::string& name, int firstRank,
             UgridField& field) {
-    for (std::size_t i = 0; i < N; ++i)
-        if (name == table[i].name) {
-            field.role = table[i].role;
-            field.rank = firstRank + int(i);
-            return true;
-        }
-    return false;
+    const NamedRole* found = findName(table, name);
+    if (found == nullptr)
+        return false;
+    field.role = found->role;
+    field.rank = firstRank + int(found - table.data());
+    return true;
 }
 
 void findRole(const UgridTopology& topology, UgridField& field) {
@@ -108,9 +70,9 @@ void findRole(const UgridTopology& topology, UgridField& field) {
         return;
     }
     const std::string standard = lower(field.variable.text("standard_name").value_or(""));
-    if (findIn(kStandardNames, standard, 0, field))
+    if (findIn(standardNames(), standard, 0, field))
         return;
-    const int after = int(kStandardNames.size());
+    const int after = int(standardNames().size());
     if (findIn(kNames, name, after, field))
         return;
     // "mesh2d_s1", "Mesh2_zs": what is left of each underscore may be the mesh's name.
@@ -120,21 +82,10 @@ void findRole(const UgridTopology& topology, UgridField& field) {
 }
 
 std::optional<std::string> crsFrom(const ArrayVariable& variable) {
-    for (const char* name : {"EPSG_code", "epsg_code", "EPSG", "epsg"}) {
-        std::string code;
-        if (const auto number = variable.number(name))
-            code = std::to_string(std::int64_t(std::clamp(*number, 0.0, 1e9)));
-        else if (const auto text = variable.text(name))
-            code = *text;
-        const std::string digits = code.substr(code.find_last_of(": ") + 1); // npos + 1 is 0
-        const long value = std::strtol(digits.c_str(), nullptr, 10);
-        if (value > 0)
-            return "EPSG:" + std::to_string(value);
-    }
-    for (const char* name : {"crs_wkt", "spatial_ref", "wkt"})
-        if (const auto text = variable.text(name); text && text->find('[') != std::string::npos)
-            return text;
-    return std::nullopt;
+    for (const char* attribute : kEpsgAttributes)
+        if (const auto code = epsgIn(variable, attribute); code && *code > 0)
+            return "EPSG:" + std::to_string(*code);
+    return systemTextIn(variable);
 }
 
 } // namespace
@@ -178,9 +129,9 @@ std::vector<UgridField> findUgridFields(const ArrayFile& file, const UgridTopolo
         field.changes = field.variable.dimensions().size() == 2;
         findRole(topology, field);
         // A depth below a datum that never changes is a bed, not water; it is not guessed at.
-        if (field.role == UgridRole::Depth && !field.changes &&
+        if (field.role == WaterRole::Depth && !field.changes &&
             lower(field.variable.text("positive").value_or("")) == "down")
-            field.role = UgridRole::None;
+            field.role = WaterRole::None;
         fields.push_back(std::move(field));
     }
     return fields;

@@ -6,6 +6,7 @@
 #include "streaming/flood/flood.h"
 #include "streaming/flood/unstructured_arrays.h"
 #include "streaming/flood/unstructured_topology.h"
+#include "streaming/flood/water_variables.h"
 
 #include <optional>
 #include <string>
@@ -22,12 +23,9 @@ struct UgridTopology {
 
 std::optional<UgridTopology> findUgridTopology(const ArrayFile& file);
 
-// The roles that arrays have, best first.
-enum class UgridRole { Stage, Depth, Bed, VelocityX, VelocityY, None };
-
 struct UgridField {
     ArrayVariable variable;
-    UgridRole role = UgridRole::None;
+    WaterRole role = WaterRole::None;
     int rank = 0; // smaller is surer
     ValuesAt at = ValuesAt::Faces;
     bool changes = false; // with time

@@ -106,6 +106,11 @@ class Header {
         }
         return text;
     }
+    // Puts a name among those that are there; one of them again is complained of.
+    bool newName(std::set<std::string>& names, const char* twice) {
+        const auto its = name();
+        return its && (names.insert(*its).second || complain(twice));
+    }
     // 0 when it is none.
     std::uint64_t typeBytes() {
         const std::uint64_t type = bigEndian(4);
@@ -118,11 +123,8 @@ class Header {
         const auto n = listOf(Tag::Dimension, kMostDimensions);
         std::set<std::string> names;
         for (std::uint64_t i = 0; n && i < *n; ++i) {
-            const auto its = name();
-            if (!its)
+            if (!newName(names, "has a damaged header: two dimensions of one name"))
                 return false;
-            if (!names.insert(*its).second)
-                return complain("has a damaged header: two dimensions of one name");
             lengths_.push_back(count());
         }
         if (std::count(lengths_.begin(), lengths_.end(), 0u) > 1)
@@ -145,12 +147,7 @@ class Header {
         const auto n = listOf(Tag::Variable, kMostEntries);
         std::set<std::string> names;
         for (std::uint64_t i = 0; n && i < *n; ++i) {
-            const auto its = name();
-            if (!its)
-                return false;
-            if (!names.insert(*its).second)
-                return complain("has a damaged header: two variables of one name");
-            if (!variable())
+            if (!newName(names, "has a damaged header: two variables of one name") || !variable())
                 return false;
         }
         return n && good_;

@@ -1,8 +1,9 @@
 #include "streaming/flood/unstructured_time.h"
 
+#include "streaming/flood/lower_case.h"
+
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -10,13 +11,6 @@
 namespace gnomon {
 
 namespace {
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    std::transform(out.begin(), out.end(), out.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return out;
-}
 
 std::optional<double> secondsPerUnit(const std::string& unit) {
     if (unit.starts_with("sec") || unit == "s")

@@ -287,6 +287,19 @@ void addTiles(std::vector<Bomb>& all) {
                    gzippedText(std::string(std::size_t(50) << 20, ' ') + "{}")});
     all.push_back({"200 MB of blanks", &familyOf("glb-gzip"),
                    gzippedText(std::string(std::size_t(200) << 20, ' '))});
+    const auto packedTable = [&](const char* name, const std::string& head, const std::string& one,
+                                 const std::string& tail) {
+        std::string table = head;
+        while (table.size() + 100'000 < std::size_t(32) << 20)
+            table += one;
+        table.pop_back(); // the comma
+        all.push_back(
+            {name, &familyOf("glb-gzip"),
+             gzippedText(b3dmOf(richGlb().text(), R"({"BATCH_LENGTH":1}   )", table + tail))});
+    };
+    packedTable("16 million values for one row", "{\"a\":[", "0,", "]}");
+    packedTable("a reference of 16 million values", "{\"a\":{\"b\":[", "0,", "]}}");
+    packedTable("6 million columns", "{", "\"\":0,", "}");
 }
 
 // A tile with this batch table, and with a glTF inside that names its rows.

@@ -142,6 +142,103 @@ TEST(HostileGltf, Item07IndicesBeyondTheVerticesAreRefused) {
     expectError(builder, "index 4294967295");
 }
 
+namespace {
+
+// `json` of a model of one triangle with "@" for `many`, as a web server would send it.
+std::string gzippedModel(const std::string& json, const std::string& many) {
+    std::string whole = json;
+    whole.replace(whole.find("\"@\""), 3, many);
+    return gzippedText(GlbBuilder::glbOf(whole, std::string(36, '\0')));
+}
+
+std::string repeated(const std::string& one, std::size_t count) {
+    std::string out;
+    for (std::size_t i = 0; i < count; ++i)
+        out += one;
+    return out;
+}
+
+GlbBuilder oneTriangle() {
+    GlbBuilder builder;
+    const int positions = builder.floats({0, 0, 0, 9, 0, 0, 0, 9, 0}, "VEC3");
+    builder.node({{"mesh", builder.mesh({{"attributes", {{"POSITION", positions}}}})}});
+    return builder;
+}
+
+Outcome decodeConfined(const std::string& text) {
+    return runConfined(
+        [&] {
+            const auto content = decode(text);
+            return content ? std::string() : content.error().reason;
+        },
+        {.warmUp = readOneOfEach});
+}
+
+} // namespace
+
+// Each value of the text would be some 400 bytes of the model.
+TEST(HostileGltf, WhatNobodyReadsNeverReachesTheModel) {
+    GlbBuilder builder = oneTriangle();
+    const std::string zeros = "[" + repeated("0,", 4'500'000) + "0]";
+    for (const char* where :
+         {"/nodes/0/extras", "/nodes/0/extensions/VENDOR_of_something",
+          "/meshes/0/primitives/0/targets", "/meshes/0/weights", "/asset/extras",
+          "/accessors/0/sparse/extras", "/nodes/0/extensions/EXT_mesh_gpu_instancing/extras"}) {
+        Json root = Json::parse(builder.json());
+        root[Json::json_pointer(where)] = "@";
+        if (root["accessors"][0].contains("sparse"))
+            root["accessors"][0]["sparse"]["count"] = 0;
+        const Outcome outcome = decodeConfined(gzippedModel(root.dump(), zeros));
+        EXPECT_EQ(outcome.trouble(), "") << where;
+    }
+}
+
+TEST(HostileGltf, WhatIsReadOfTheJsonIsCountedBeforeItIsTakenUp) {
+    GlbBuilder builder = oneTriangle();
+    const struct {
+        const char* where;
+        std::string many, words;
+    } cases[] = {
+        {"/nodes/0/extensions/EXT_instance_features/featureIds",
+         "[" + repeated("0,", 2'000'000) + "0]", "extensions would need"},
+        {"/meshes/0/primitives", "[" + repeated("{\"attributes\":{}},", 450'000) + "{}]",
+         "primitives would need"},
+        {"/nodes/0/extras", "[" + repeated("{},", 4'000'000) + "{}]", "JSON would need"},
+    };
+    for (const auto& one : cases) {
+        Json root = Json::parse(builder.json());
+        root[Json::json_pointer(one.where)] = "@";
+        const Outcome outcome = decodeConfined(gzippedModel(root.dump(), one.many));
+        EXPECT_EQ(outcome.trouble(), "") << one.where;
+        EXPECT_NE(outcome.said.find(one.words), std::string::npos) << outcome.said;
+    }
+}
+
+// A sparse accessor without a view is any number of zeros for no bytes, and one index far away.
+TEST(HostileGltf, Item07ALargeIndexTakesNoTableOfItsSize) {
+    const std::uint32_t count = 12'000'000, far = 8 * count - 8;
+    GlbBuilder builder = oneTriangle();
+    const std::uint32_t first = 0;
+    const int which = builder.view(&first, 4), value = builder.view(&far, 4);
+    builder.root["accessors"].push_back(
+        {{"componentType", 5125},
+         {"count", count},
+         {"type", "SCALAR"},
+         {"sparse",
+          {{"count", 1},
+           {"indices", {{"bufferView", which}, {"componentType", 5125}}},
+           {"values", {{"bufferView", value}}}}}});
+    primitiveOf(builder)["indices"] = 1;
+    Outcome outcome = decodeConfined(builder.text());
+    EXPECT_EQ(outcome.trouble(), "");
+    EXPECT_EQ(outcome.said, "index 95999992 of 3 vertices");
+    // With as many vertices it is the table that is asked of the budget.
+    builder.root["accessors"][0] = {{"componentType", 5126}, {"count", far + 1}, {"type", "VEC3"}};
+    outcome = decodeConfined(builder.text());
+    EXPECT_EQ(outcome.trouble(), "");
+    EXPECT_NE(outcome.said.find("memory"), std::string::npos) << outcome.said;
+}
+
 TEST(HostileGltf, Item08SparseIndicesOutOfRangeOrOrderAreRefused) {
     for (const std::vector<std::uint16_t>& which :
          {std::vector<std::uint16_t>{8, 9}, {3, 3}, {4, 2}, {1, 0xffff}}) {

@@ -1,6 +1,7 @@
 #include "streaming/batch_table.h"
 #include "streaming/json_slices.h"
 #include "streaming/mesh.h"
+#include "streaming/soup.h"
 
 #include <gtest/gtest.h>
 
@@ -145,6 +146,76 @@ TEST(BatchTable, ArraysOfAnotherLengthThanThereAreFeaturesAreSaid) {
     EXPECT_EQ(r.value(1, "long"), PropertyValue(std::int64_t(2)));
 }
 
+TEST(BatchTable, RowsThatAreOnlyTheUsedOnesMayBeFewerThanTheColumnsValues) {
+    const std::string json = R"({"short":[1],"long":[1,2,3]})";
+    Read r;
+    ByteBudget budget(10'000);
+    r.table = readBatchTable(bytesOf(json), {}, 2, r.warnings, budget, BatchRows::UsedAtLeast);
+    EXPECT_FALSE(r.warnsOf("long"));
+    EXPECT_TRUE(r.warnsOf("short has 1 values for 2"));
+    EXPECT_EQ(r.value(1, "long"), PropertyValue(std::int64_t(2)));
+}
+
+TEST(BatchTable, ValuesNoRowHasAreCountedAndTakeNoMemory) {
+    std::string json = "{\"a\":[7";
+    for (int i = 1; i < 100'000; ++i) {
+        json += ",0";
+    }
+    json += "]}";
+    Read r;
+    ByteBudget budget(json.size() + 1000);
+    r.table = readBatchTable(bytesOf(json), {}, 1, r.warnings, budget);
+    EXPECT_TRUE(r.warnsOf("a has 100000 values for 1"));
+    EXPECT_EQ(r.value(0, "a"), PropertyValue(std::int64_t(7)));
+    EXPECT_LT(r.table->bytes(), json.size() + 1000);
+}
+
+TEST(BatchTable, WhatTheBudgetDoesNotAllowIsLeftOutAndNamed) {
+    std::string json = R"({"small":[1,2],"large":[0)";
+    for (int i = 1; i < 100'000; ++i) {
+        json += ",0";
+    }
+    json += "]}";
+    const std::string binary(1000, '\1');
+    const auto readWith = [&](std::uint64_t bytes, std::uint32_t rows) {
+        Read r;
+        ByteBudget budget(bytes);
+        r.table = readBatchTable(bytesOf(json), bytesOf(binary), rows, r.warnings, budget);
+        return r;
+    };
+    const Read none = readWith(json.size() - 1, 2);
+    EXPECT_TRUE(none.warnsOf("batch table left out: batch table would need more memory"));
+    EXPECT_EQ(none.table->rows(), 2u);
+    EXPECT_TRUE(readWith(json.size() + 999, 2).warnsOf("table left out")) << "its binary part";
+    const Read one = readWith(json.size() + 10'000, 100'000);
+    EXPECT_TRUE(one.warnsOf("column large left out: it would need more memory"));
+    EXPECT_EQ(one.value(1, "small"), PropertyValue(std::int64_t(2)));
+    const Read many = [&] {
+        Read r;
+        std::string columns = "{\"x\":[]";
+        for (int i = 0; i < 10'000; ++i) {
+            columns += ",\"\":[]";
+        }
+        columns += "}";
+        ByteBudget budget(columns.size() + 100'000);
+        r.table = readBatchTable(bytesOf(columns), {}, 1, r.warnings, budget);
+        return r;
+    }();
+    EXPECT_LT(many.table->bytes(), 60'000u + 100'000u);
+    EXPECT_TRUE(many.warnsOf("more flaws"));
+}
+
+TEST(BatchTable, AnObjectTooLongForAReferenceIsNotParsed) {
+    std::string json = R"({"x":{"byteOffset":0,"componentType":"BYTE","type":"SCALAR","y":[0)";
+    for (int i = 0; i < 100'000; ++i) {
+        json += ",0";
+    }
+    const Read r = read(json + R"(]},"good":[1,2]})", 2, std::string(8, '\1'));
+    EXPECT_TRUE(r.warnsOf("column x left out: it is too long"));
+    EXPECT_EQ(r.table->row(1).size(), 1u);
+    EXPECT_EQ(r.value(1, "good"), PropertyValue(std::int64_t(2)));
+}
+
 TEST(BatchTable, HierarchiesAreNotedAndSkipped) {
     const Read r = read(R"({"id":[7],"extras":{"a":1},
         "extensions":{"3DTILES_batch_table_hierarchy":{"classes":[]}},"HIERARCHY":{}})",
@@ -178,6 +249,31 @@ TEST(BatchTable, ForgivesWhatExportersWrite) {
     EXPECT_EQ(r.value(0, "a"), PropertyValue(std::monostate{}));
     EXPECT_EQ(r.value(0, "b"), PropertyValue("Stra\u00dfe")) << "Latin-1";
     EXPECT_EQ(r.value(1, "b"), PropertyValue("Stra\u00dfe")) << "UTF-8";
+}
+
+TEST(BatchTable, WhatOnlyLooksLikeUtf8IsLatin1Too) {
+    const auto latin1 = [](std::string_view text) {
+        std::string out;
+        for (const char c : text) {
+            const auto u = static_cast<unsigned char>(c);
+            out += u < 0x80 ? std::string(1, c)
+                            : std::string{char(0xc0u | u >> 6), char(0x80u | (u & 0x3fu))};
+        }
+        return out;
+    };
+    for (const std::string text :
+         {"\xc0\x80", "\xc1\xbf", "\xe0\x80\x80", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xed\xbf\xbf",
+          "\xf0\x80\x80\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80"}) {
+        const Read r = read("{\"a\":[\"" + text + "\"]}", 1);
+        EXPECT_TRUE(r.warnings.empty());
+        EXPECT_EQ(r.value(0, "a"), PropertyValue(latin1(text))) << latin1(text);
+    }
+    for (const std::string text :
+         {"\xc2\x80", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80", "\xf0\x90\x80\x80",
+          "\xf4\x8f\xbf\xbf"}) { // and one that is not, so that all are looked at
+        const Read r = read("{\"a\":[\"" + text + "\",\"\xe0\"]}", 2);
+        EXPECT_EQ(r.value(0, "a"), PropertyValue(text)) << text;
+    }
 }
 
 TEST(BatchTable, HoldsItsTextAndBinaryOnceHoweverManyColumnsNameThem) {
@@ -240,6 +336,15 @@ TEST(FeatureTables, ValuesAreWrittenAsJson) {
     EXPECT_EQ(jsonOf(std::numeric_limits<double>::quiet_NaN()), "null");
     EXPECT_EQ(jsonOf(std::string("\xff")), "\"\ufffd\"") << "the replacement character";
     EXPECT_EQ(jsonOf(JsonText{"[1]"}), "[1]");
+}
+
+TEST(JsonSlices, AreTakenOneAfterAnother) {
+    std::string seen;
+    eachJsonMember(R"({"a":[1, "x"],"b":{}})", [&](const JsonMember& member) {
+        seen += std::string(member.key) + "=" + std::string(member.value) + ";";
+        eachJsonElement(member.value, [&](std::string_view v) { seen += std::string(v) + "|"; });
+    });
+    EXPECT_EQ(seen, "a=[1, \"x\"];1|\"x\"|b={};");
 }
 
 TEST(JsonSlices, StayInsideWhatIsCutShort) {

@@ -133,6 +133,22 @@ TEST(Cmpt, ImagesAndMaterialsAreRenumbered) {
     EXPECT_EQ(content->materials.at(std::size_t(content->meshes[1].material)).image, 1);
 }
 
+TEST(Cmpt, WhatThousandsOfPartsSayIsNotAllKept) {
+    std::vector<TileContent> parts(40000);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const std::string name = std::to_string(i);
+        parts[i].facts.warnings = {"flaw " + name, "again"};
+        parts[i].facts.extensions = {"EXT_" + name};
+        parts[i].facts.copyright = "owner " + name;
+    }
+    const ContentFacts facts = joinContents(std::move(parts), "cmpt").facts;
+    EXPECT_EQ(facts.warnings.size(), 64u);
+    EXPECT_EQ(facts.warnings.at(1), "again");
+    EXPECT_EQ(facts.extensions.size(), 64u);
+    EXPECT_EQ(facts.copyright.find("owner 0; owner 1; "), 0u);
+    EXPECT_LT(facts.copyright.size(), 4096u);
+}
+
 TEST(Cmpt, MayBeNestedButNotWithoutEnd) {
     EXPECT_TRUE(decode(nested(8)));
     const auto content = decode(nested(9));

@@ -18,8 +18,8 @@ struct DracoEncoded {
     std::uint32_t points = 0, faces = 0;
 };
 
-// A bumpy square of 2 · side² triangles with a batch id a vertex.
-inline DracoEncoded dracoEncode(int side, int method, int positionBits) {
+// A bumpy square of 2 · side² triangles with a batch id a vertex, and `unused` attributes of zeros.
+inline DracoEncoded dracoEncode(int side, int method, int positionBits, int unused = 0) {
     draco::Mesh mesh;
     const auto points = std::uint32_t((side + 1) * (side + 1));
     mesh.set_num_points(points);
@@ -35,6 +35,16 @@ inline DracoEncoded dracoEncode(int side, int method, int positionBits) {
             const std::uint16_t id = std::uint16_t(x + 100 * y);
             mesh.attribute(p)->SetAttributeValue(i, at.data());
             mesh.attribute(b)->SetAttributeValue(i, &id);
+        }
+    }
+    draco::GeometryAttribute zeros;
+    zeros.Init(draco::GeometryAttribute::GENERIC, nullptr, 4, draco::DT_INT32, false, 16, 0);
+    for (int k = 0; k < unused; ++k) {
+        const int attribute = mesh.AddAttribute(zeros, true, points);
+        const std::array<std::int32_t, 4> zero{};
+        for (std::uint32_t i = 0; i < points; ++i) {
+            mesh.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i),
+                                                         zero.data());
         }
     }
     for (int y = 0; y < side; ++y) {

@@ -258,6 +258,22 @@ TEST(I3dm, BatchIdsOfEveryTypeNameTheRows) {
     check(std::uint32_t(), "UNSIGNED_INT");
 }
 
+TEST(I3dm, ItsTableMayHaveRowsThatNoInstanceIsOf) {
+    const auto warningsOf = [](bool hasIds) {
+        TileFile file = i3dmOf(2, markerGlb());
+        file.features.add<float>("POSITION", {0, 0, 0, 9, 0, 0});
+        if (hasIds) {
+            file.features.add<std::uint16_t>("BATCH_ID", {0, 1});
+        }
+        file.batchJson = R"({"name":["oak","elm","fir","yew"]})";
+        const auto content = decode(file.text());
+        EXPECT_TRUE(content);
+        return content ? content->facts.warnings : std::vector<std::string>{"it failed"};
+    };
+    EXPECT_EQ(warningsOf(true), std::vector<std::string>{});
+    EXPECT_EQ(warningsOf(false).size(), 1u) << "there, a row is an instance";
+}
+
 TEST(I3dm, ReadsItsModelFromAFileAndWhatThatNamesBesideIt) {
     GlbBuilder builder;
     builder.triangles({1, 0, 0, 0, 2, 0, 0, 0, 3}, {0, 1, 2});

@@ -55,6 +55,76 @@ TEST(ImageFile, PngOfOneToFourChannelsBecomesRgba) {
               (Rgba{0xf0, 0x10, 0x20, 0x40}));
 }
 
+// Every picture of one colour, lossless: five codes of one symbol each (green, red, blue, alpha,
+// distance), and then no bits at all for the pixels.
+std::string webpOf(int width, int height, std::array<std::uint8_t, 4> rgba, bool hasAlpha) {
+    std::string image = "\x2f";
+    put(image,
+        std::uint32_t(width - 1) | std::uint32_t(height - 1) << 14 | (hasAlpha ? 1u << 28 : 0u));
+    std::vector<bool> bits{false, false, false}; // no transform, no cache, no further codes
+    for (const unsigned symbol :
+         {unsigned(rgba[1]), unsigned(rgba[0]), unsigned(rgba[2]), unsigned(rgba[3]), 0u}) {
+        bits.insert(bits.end(), {true, false, true}); // simple, of one symbol, of eight bits
+        for (int i = 0; i < 8; ++i)
+            bits.push_back((symbol >> i & 1u) != 0);
+    }
+    for (std::size_t i = 0; i < bits.size(); i += 8) {
+        unsigned byte = 0;
+        for (std::size_t k = 0; k < 8 && i + k < bits.size(); ++k)
+            byte |= unsigned(bits[i + k]) << k;
+        image.push_back(char(byte));
+    }
+    image.resize((image.size() + 1) / 2 * 2 + 2); // what the decoder reads ahead
+    std::string out = "RIFF";
+    put(out, std::uint32_t(4 + 8 + image.size()));
+    out += "WEBPVP8L";
+    put(out, std::uint32_t(image.size()));
+    return out + image;
+}
+
+TEST(ImageFile, ColoursOfWebpAreNotMultipliedByTheirAlpha) {
+    using Rgba = std::vector<std::uint8_t>;
+    EXPECT_EQ(imageOf(webpOf(2, 1, {200, 100, 50, 128}, true)).rgba,
+              (Rgba{200, 100, 50, 128, 200, 100, 50, 128}));
+    EXPECT_EQ(imageOf(webpOf(1, 2, {200, 100, 50, 0}, true)).rgba,
+              (Rgba{200, 100, 50, 0, 200, 100, 50, 0}));
+    const Image opaque = imageOf(webpOf(1, 2, {200, 100, 50, 255}, false));
+    EXPECT_EQ(opaque.height, 2);
+    EXPECT_EQ(opaque.rgba, (Rgba{200, 100, 50, 255, 200, 100, 50, 255}));
+}
+
+TEST(ImageFile, WebpIsLookedAtBeforeAnythingIsAllocated) {
+    const std::string good = webpOf(2048, 2048, {1, 2, 3, 4}, true);
+    EXPECT_EQ(reasonOf(good), "");
+    EXPECT_EQ(reasonOf(webpOf(8193, 1, {1, 2, 3, 4}, true)),
+              "image of 8193 x 1 pixels; 1 to 8192 a side are read");
+    EXPECT_NE(reasonOf(webpOf(8192, 8192, {1, 2, 3, 4}, true)).find("in only"), std::string::npos);
+    const Bytes bytes = bytesOf(good);
+    ByteBudget little(std::uint64_t(2048) * 2048 * 8); // the pixels, and the decoder's own
+    EXPECT_THROW(decodeImage(bytes, little), BadContent);
+}
+
+TEST(ImageFile, WebpThatIsCutShortBadOrAnimatedIsNamed) {
+    const std::string good = webpOf(8, 8, {1, 2, 3, 4}, true);
+    ASSERT_EQ(reasonOf(good), "");
+    for (std::size_t length = 12; length < good.size(); ++length)
+        EXPECT_EQ(reasonOf(good.substr(0, length)), "WebP image cut short") << length;
+    std::string bad = good;
+    bad[20] = 'x'; // the lossless image's mark
+    EXPECT_NE(reasonOf(bad).find("WebP image"), std::string::npos);
+    bad = good;
+    bad[25] = '\xff'; // transforms, which are not there
+    EXPECT_NE(reasonOf(bad).find("WebP image"), std::string::npos);
+    std::string animated = "RIFF";
+    put(animated, 4 + 18 + 14);
+    animated += "WEBPVP8X";
+    put(animated, 10);
+    animated += std::string("\x02\0\0\0\7\0\0\7\0\0", 10) + "ANIM";
+    put(animated, 6);
+    animated += std::string(6, '\0');
+    EXPECT_EQ(reasonOf(animated), "animated WebP image, which is not supported");
+}
+
 TEST(ImageFile, RowsGoFromTopToBottom) {
     const Image image = imageOf(pngOf(1, 3, 1, "xyz"));
     EXPECT_EQ(image.width, 1);

@@ -1,5 +1,6 @@
 #include "streaming/inventory.h"
 #include "streaming/loader.h"
+#include "tests/streaming/gzipped.h"
 #include "tests/streaming/tree_support.h"
 
 #include <gtest/gtest.h>
@@ -270,6 +271,26 @@ TEST(Loader, TheSameRunGivesTheSameTreeWhateverTheTiming) {
     }
     EXPECT_NE(first.find("x03.glb"), std::string::npos) << first;
     EXPECT_NE(first.find("e4.json: no such file"), std::string::npos) << first;
+}
+
+// As a web server would send them; and one packed twice, which is none.
+TEST(Loader, TilesetsMayBeCompressed) {
+    auto source = std::make_shared<MemorySource>();
+    source->files["tileset.json"] = gzipped(bytesOf(
+        tileset(tile(box(0, 100), 100, "",
+                     tile(box(0, 50), 50, "a.json") + "," + tile(box(50, 100), 50, "twice.json"),
+                     R"("refine":"ADD")"))));
+    source->files["a.json"] = gzipped(bytesOf(tileset(tile(box(0, 50), 0, "a.glb"))));
+    source->files["a.glb"] = gzipped(glb(2));
+    source->files["twice.json"] = gzipped(source->files["a.json"]);
+    const auto tileset = open(source);
+    ASSERT_TRUE(tileset);
+    const View view = viewFrom(50, 50, 50);
+    const Settled settled = settle(*tileset, {&view, 1}, {}, soon());
+    EXPECT_TRUE(settled.complete);
+    EXPECT_EQ(settled.selection.draw.size(), 1u);
+    ASSERT_EQ(tileset->failures().size(), 1u);
+    EXPECT_NE(tileset->failures()[0].error.message().find("twice.json"), std::string::npos);
 }
 
 TEST(Loader, ATilesetThatContainsItselfFailsThatTileOnly) {

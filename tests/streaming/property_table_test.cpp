@@ -241,6 +241,34 @@ TEST(PropertyTable, NoDataIsRawAndGivesTheDefaultOrNothing) {
     EXPECT_EQ(t.rows("e"), (Rows{"null", "\"shop\""}));
 }
 
+TEST(PropertyTable, NoDataOfFloatsMayBeWrittenWithAnyNumberOfDigits) {
+    const float least = std::numeric_limits<float>::lowest();
+    const auto rowsWith = [&](const Json& noData) {
+        TableBuilder t(2);
+        t.property("h", {{"type", "SCALAR"}, {"componentType", "FLOAT32"}, {"noData", noData}},
+                   std::vector<float>{least, 0.1f});
+        return t.rows("h");
+    };
+    EXPECT_EQ(rowsWith(double(least)), (Rows{"null", "0.1"}));
+    EXPECT_EQ(rowsWith(-3.4028235e38), (Rows{"null", "0.1"})) << "beyond floats, by a hair";
+    EXPECT_EQ(rowsWith(double(0.1f))[1], "null");
+    EXPECT_EQ(rowsWith(0.1)[1], "null");
+    EXPECT_EQ(rowsWith(-1e300)[1], "0.1");
+
+    TableBuilder t(2);
+    t.property("v",
+               {{"type", "VEC2"},
+                {"componentType", "FLOAT32"},
+                {"array", true},
+                {"count", 1},
+                {"noData", {{double(least), double(0.1f)}}}},
+               std::vector<float>{least, 0.1f, 1, 2});
+    t.property("d", {{"type", "SCALAR"}, {"componentType", "FLOAT64"}, {"noData", double(0.1f)}},
+               std::vector<double>{0.1, double(0.1f)});
+    EXPECT_EQ(t.rows("v"), (Rows{"null", "[[1.0,2.0]]"}));
+    EXPECT_EQ(t.rows("d"), (Rows{"0.1", "null"})) << "doubles are as they are";
+}
+
 TEST(PropertyTable, APropertyTheTableLeavesOutHasItsDefault) {
     TableBuilder t(2);
     t.property("a", {{"type", "SCALAR"}, {"componentType", "UINT8"}},
@@ -435,7 +463,7 @@ TEST(GltfFeatures, ComeByAttributeRangeOrOldNames) {
              attribute("_BATCHID", ids, 5123)(b, primitive);
              sets(primitive, {{{"featureCount", 2}, {"attribute", 4}}, 7, "x"});
          },
-         {{7, 2}, {3, 1}}},
+         {{kNoFeature, 3}}},
         {"nothing", [](GlbBuilder&, Json&) {}, {{kNoFeature, 3}}},
     };
     for (const Case& one : cases) {

@@ -5,9 +5,9 @@
 #include "geo/ellipsoid.h"
 #include "streaming/source.h"
 #include "tests/streaming/drape_support.h"
+#include "tests/streaming/gzipped.h"
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -32,7 +32,8 @@ inline Bytes fileBytes(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
     Bytes out(text.size());
-    std::memcpy(out.data(), text.data(), text.size());
+    if (!text.empty())
+        std::memcpy(out.data(), text.data(), text.size());
     return out;
 }
 
@@ -45,20 +46,6 @@ inline void writeFile(const std::string& path, const Bytes& bytes) {
 inline void writeText(const std::string& path, const std::string& text) {
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     std::ofstream(path) << text;
-}
-
-inline Bytes gzipped(const Bytes& bytes) {
-    z_stream stream{};
-    deflateInit2(&stream, 1, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-    Bytes out(deflateBound(&stream, uLong(bytes.size())) + 64);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
-    stream.avail_in = uInt(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = uInt(out.size());
-    deflate(&stream, Z_FINISH);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
 }
 
 // A tile as it will be written; anything may be spoilt before that.

@@ -147,6 +147,45 @@ TEST(Subtree, ReadsJsonOldNamesAndSeveralContents) {
     EXPECT_EQ(tree->facts().subtrees, 1u);
 }
 
+// Some writers leave beside it the availability of the only content that readers without the
+// extension know.
+TEST(Subtree, TheMultipleContentsExtensionSpeaksForAllContents) {
+    const std::string text = tileset("{" + kUnitBox + R"(,"geometricError":64,"refine":"ADD",
+        "extensions":{"3DTILES_multiple_contents":{"content":[{"uri":"a.glb"},{"uri":"b.glb"}]},
+        "3DTILES_implicit_tiling":{"subdivisionScheme":"QUADTREE",
+        "subtreeLevels":1,"maximumLevel":0,"subtrees":{"uri":"s.subtree"}}}})");
+    const std::string first = R"({"tileAvailability":{"constant":1},
+        "childSubtreeAvailability":{"constant":0},"contentAvailability":{"constant":1})";
+    auto tree = parse(text);
+    ASSERT_TRUE(tree) << tree.error().message();
+    ASSERT_FALSE(attach(*tree, 0, bytesOf(first + R"(,"extensions":{"3DTILES_multiple_contents":
+        {"contentAvailability":[{"constant":1},{"constant":1}]}}})")));
+    EXPECT_EQ(paths(*tree, ContentKind::Mesh), (std::set<std::string>{"a.glb", "b.glb"}));
+    EXPECT_TRUE(tree->facts().warnings.empty());
+    // Without it, what is lost is said.
+    auto less = parse(text);
+    ASSERT_TRUE(less);
+    ASSERT_FALSE(attach(*less, 0, bytesOf(first + "}")));
+    EXPECT_EQ(paths(*less, ContentKind::Mesh), (std::set<std::string>{"a.glb"}));
+    ASSERT_EQ(less->facts().warnings.size(), 1u);
+    EXPECT_NE(less->facts().warnings[0].find("names 2 contents, its subtrees tell of 1"),
+              std::string::npos)
+        << less->facts().warnings[0];
+}
+
+TEST(Subtree, ContentsThatAreNotToldOfAreSaidOnceAndNoneIsNoFault) {
+    auto tree = parse(implicitTileset("QUADTREE", 1, 3, kUnitBox));
+    ASSERT_TRUE(tree);
+    const std::string all =
+        R"({"tileAvailability":{"constant":1},"childSubtreeAvailability":{"constant":1})";
+    ASSERT_FALSE(attach(*tree, 0, bytesOf(all + "}")));
+    EXPECT_TRUE(tree->facts().warnings.empty()) << "a subtree without contents";
+    const Bytes two = bytesOf(all + R"(,"contentAvailability":[{"constant":1},{"constant":1}]})");
+    for (TileIndex tile = 1; tile <= 4; ++tile)
+        ASSERT_FALSE(attach(*tree, tile, two));
+    EXPECT_EQ(tree->facts().warnings.size(), 1u);
+}
+
 TEST(Subtree, GoesOnInChildSubtreesUpToTheAvailableLevels) {
     auto tree = parse(implicitTileset("QUADTREE", 2, 3, kUnitBox));
     ASSERT_TRUE(tree);

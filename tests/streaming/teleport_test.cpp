@@ -207,7 +207,9 @@ TEST_F(Teleports, TenThousandLeaveNothingBehind) {
                 static_cast<unsigned long long>(loaded()), mostTiles, ledger_->most(),
                 ledger_->cap(), double(resident) / 1e6, double(after) / 1e6);
     EXPECT_GT(loaded(), 50'000u) << "the memory was not small";
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // they keep what was freed
     EXPECT_LT(double(after), double(resident) + 2e6);
+#endif
     expectTheBooksToBalance();
     // Back to nothing.
     ledger_->nextMoment();

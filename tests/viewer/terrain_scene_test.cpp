@@ -15,7 +15,7 @@ const char* const kBottrop = "dem-nrw-1m-utm32/dom1_32_356_5699_1_nw_2020.tif";
 // Columns of 10 m from 356000 E, rows of 10 m down from 5700000 N.
 std::string grid(int columns, int rows, const std::string& values) {
     return "ncols " + std::to_string(columns) + "\nnrows " + std::to_string(rows) +
-           "\nxllcorner 356000\nyllcorner " + std::to_string(5700000 - 10 * rows) +
+           "\nxllcorner 356000\nyllcorner " + std::to_string(5700000 - 10LL * rows) +
            "\ncellsize 10\nNODATA_value -9999\n" + values;
 }
 

@@ -20,7 +20,8 @@ constexpr int kJpegQuality = 84;
 template <class T>
 std::vector<std::byte> toBytes(const std::vector<T>& values) {
     std::vector<std::byte> bytes(values.size() * sizeof(T));
-    std::memcpy(bytes.data(), values.data(), bytes.size());
+    if (!bytes.empty())
+        std::memcpy(bytes.data(), values.data(), bytes.size());
     return bytes;
 }
 
