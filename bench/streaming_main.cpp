@@ -193,7 +193,8 @@ int main(int argc, char** argv) {
     app.add_option("--place", options.place,
                    "the folder of a tileset; the city, when there is none");
     app.add_option("--camera", options.camera, "as gnomon capture takes it");
-    app.add_option("--capture", options.captureOptions, "a further option of gnomon capture");
+    app.add_option("--capture", options.captureOptions, "a further option of gnomon capture")
+        ->allow_extra_args(false); // one each time, or a part that follows would be taken for more
     app.add_option("--gnomon", options.gnomon, "the program [beside this one]");
     app.add_option("--server", options.server, "fault_server [beside this one]; empty: files only");
     CLI11_PARSE(app, argc, argv);
